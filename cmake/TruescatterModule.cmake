@@ -1,0 +1,50 @@
+# One library per folder of src/. A module sees another module's headers only if it names it under
+# UPSTREAM: each module exports an include folder that holds a link to itself and nothing else, so
+# an include against the data flow (DESIGN: layout) does not compile.
+
+add_library(truescatter_options INTERFACE)
+target_compile_options(truescatter_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow
+                       -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Woverloaded-virtual)
+if(TRUESCATTER_WERROR)
+  target_compile_options(truescatter_options INTERFACE -Werror)
+endif()
+if(TRUESCATTER_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(truescatter_options INTERFACE -march=${TRUESCATTER_ARCH})
+endif()
+# Packaged libraries (Ceres) were compiled for 16-byte alignment of Eigen's types; ours must agree
+# even where wider vectors are enabled.
+target_compile_definitions(truescatter_options INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
+if(TRUESCATTER_SANITIZE)
+  target_compile_options(truescatter_options INTERFACE -fsanitize=${TRUESCATTER_SANITIZE}
+                         -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(truescatter_options INTERFACE -fsanitize=${TRUESCATTER_SANITIZE})
+endif()
+
+# truescatter_module(<name> SOURCES <files> [UPSTREAM <modules>] [LIBRARIES <targets>] [PRIVATE_LIBRARIES <targets>])
+function(truescatter_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;UPSTREAM;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
+  set(include_root ${CMAKE_BINARY_DIR}/include/${name})
+  file(MAKE_DIRECTORY ${include_root})
+  file(CREATE_LINK ${CMAKE_SOURCE_DIR}/src/${name} ${include_root}/${name} SYMBOLIC)
+  add_library(truescatter_${name} STATIC ${ARG_SOURCES})
+  target_include_directories(truescatter_${name} PUBLIC ${include_root})
+  list(TRANSFORM ARG_UPSTREAM PREPEND truescatter_)
+  target_link_libraries(truescatter_${name} PUBLIC ${ARG_UPSTREAM} ${ARG_LIBRARIES}
+                        PRIVATE truescatter_options ${ARG_PRIVATE_LIBRARIES})
+endfunction()
+
+# truescatter_embed(<target> <namespace> <files>): makes each text file a std::string_view constant,
+# looked up by its path relative to src/ through the generated function `<namespace>::embedded(path)`.
+function(truescatter_embed target namespace)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${target}_embedded.cpp)
+  set(paths ${ARGN})
+  list(TRANSFORM paths PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  string(REPLACE ";" "," joined "${paths}")
+  add_custom_command(
+    OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${output} -DNAMESPACE=${namespace} -DFILES=${joined}
+            -DROOT=${CMAKE_SOURCE_DIR}/src -P ${CMAKE_SOURCE_DIR}/cmake/Embed.cmake
+    DEPENDS ${paths} ${CMAKE_SOURCE_DIR}/cmake/Embed.cmake
+    COMMENT "Embedding text files into ${target}")
+  target_sources(${target} PRIVATE ${output})
+endfunction()

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace truescatter {
+
+// A name beside `path` for a file that is renamed to `path` once it is whole; unique per process.
+std::filesystem::path temporary_sibling(const std::filesystem::path& path);
+
+// Writes a whole text file through a temporary and a rename, so that it appears whole or not at all.
+// Throws Error (run) that names the file.
+void write_text_file(const std::filesystem::path& path, std::string_view text);
+
+// Reads a whole file. Throws Error (input) that names the file.
+std::string read_text_file(const std::filesystem::path& path);
+
+// Replaces each ${NAME} by the environment variable's value. An unset variable is an Error (input).
+std::string expand_environment(const std::string& text);
+
+}  // namespace truescatter

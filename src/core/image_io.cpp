@@ -1,0 +1,119 @@
+#include "core/image_io.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "core/error.h"
+#include "core/file.h"
+
+namespace truescatter {
+namespace {
+
+std::string channel_name(const ExrLayer& layer, int channel) {
+  static constexpr std::array<const char*, 4> kColour = {"R", "G", "B", "A"};
+  static constexpr std::array<const char*, 4> kVector = {"X", "Y", "Z", "W"};
+  if (layer.image->channels() == 1) return layer.name.empty() ? "Y" : layer.name;
+  const auto& suffixes = layer.vector ? kVector : kColour;
+  const std::string suffix = suffixes[static_cast<std::size_t>(channel)];
+  return layer.name.empty() ? suffix : layer.name + "." + suffix;
+}
+
+void write_with_oiio(const std::filesystem::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc format,
+                     const void* pixels) {
+  const std::filesystem::path temporary = temporary_sibling(path);
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path.filename().string());
+  if (!output) throw_run_error("{}: no writer for this image format: {}", path.string(), OIIO::geterror());
+  if (!output->open(temporary.string(), spec) || !output->write_image(format, pixels) || !output->close()) {
+    const std::string reason = output->geterror();
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw_run_error("{}: cannot write image: {}", path.string(), reason);
+  }
+  std::filesystem::rename(temporary, path);
+}
+
+}  // namespace
+
+void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& layers) {
+  assert(!layers.empty());
+  const int width = layers.front().image->width();
+  const int height = layers.front().image->height();
+  int channels = 0;
+  OIIO::ImageSpec spec(width, height, 0, OIIO::TypeDesc::FLOAT);
+  spec.channelnames.clear();
+  for (const ExrLayer& layer : layers) {
+    assert(layer.image->width() == width && layer.image->height() == height);
+    for (int c = 0; c < layer.image->channels(); ++c) spec.channelnames.push_back(channel_name(layer, c));
+    channels += layer.image->channels();
+  }
+  spec.nchannels = channels;
+  spec.attribute("compression", "zip");
+
+  std::vector<float> pixels(static_cast<std::size_t>(channels) * layers.front().image->pixel_count());
+  std::size_t offset = 0;
+  for (const ExrLayer& layer : layers) {
+    const auto count = static_cast<std::size_t>(layer.image->channels());
+    const std::span<const float> data = layer.image->data();
+    for (std::size_t p = 0; p < layer.image->pixel_count(); ++p) {
+      std::copy_n(data.begin() + static_cast<std::ptrdiff_t>(p * count), count,
+                  pixels.begin() + static_cast<std::ptrdiff_t>(p * static_cast<std::size_t>(channels) + offset));
+    }
+    offset += count;
+  }
+  write_with_oiio(path, spec, OIIO::TypeDesc::FLOAT, pixels.data());
+}
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+  std::vector<unsigned char> bytes(image.data().size());
+  std::transform(image.data().begin(), image.data().end(), bytes.begin(), [](float v) {
+    return static_cast<unsigned char>(std::lround(std::clamp(v, 0.0F, 1.0F) * 255.0F));
+  });
+  const OIIO::ImageSpec spec(image.width(), image.height(), image.channels(), OIIO::TypeDesc::UINT8);
+  write_with_oiio(path, spec, OIIO::TypeDesc::UINT8, bytes.data());
+}
+
+Image read_image(const std::filesystem::path& path, std::vector<std::string>* channel_names) {
+  if (!std::filesystem::exists(path)) throw_input_error({path.string()}, "no such file");
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string());
+  if (!input) throw_input_error({path.string()}, "cannot read this image: {}", OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.depth > 1) {
+    throw_input_error({path.string()}, "the image is {} x {} x {} with {} channels; a flat image is needed",
+                      spec.width, spec.height, spec.depth, spec.nchannels);
+  }
+  Image image(spec.width, spec.height, spec.nchannels);
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.data().data())) {
+    throw_input_error({path.string()}, "cannot read the pixels: {}", input->geterror());
+  }
+  if (channel_names != nullptr) *channel_names = spec.channelnames;
+  return image;
+}
+
+Image read_exr_layer(const std::filesystem::path& path, const std::string& layer) {
+  std::vector<std::string> names;
+  const Image all = read_image(path, &names);
+  std::vector<int> chosen;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    const bool inside = layer.empty() ? names[c].find('.') == std::string::npos
+                                      : names[c] == layer || names[c].starts_with(layer + ".");
+    if (inside) chosen.push_back(static_cast<int>(c));
+  }
+  if (chosen.empty()) {
+    throw_input_error({path.string()}, "no layer '{}'; the file's channels are {}", layer, fmt::join(names, ", "));
+  }
+  Image image(all.width(), all.height(), static_cast<int>(chosen.size()));
+  for (int y = 0; y < all.height(); ++y) {
+    for (int x = 0; x < all.width(); ++x) {
+      for (int c = 0; c < image.channels(); ++c) {
+        image.at(x, y, c) = all.at(x, y, chosen[static_cast<std::size_t>(c)]);
+      }
+    }
+  }
+  return image;
+}
+
+}  // namespace truescatter

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+
+namespace truescatter {
+
+// One group of channels of an EXR. Channel c is written as "<name>.<suffix c>", with the suffixes
+// R, G, B, A (colours), X, Y, Z (`vector`), or as plain "<name>" where there is one channel. An empty name
+// gives bare suffixes.
+struct ExrLayer {
+  std::string name;
+  const Image* image = nullptr;
+  bool vector = false;
+};
+
+// Writes 32-bit float layers of equal size into one EXR, through a temporary file and a rename.
+// Throws Error (run) when the file cannot be written.
+void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& layers);
+
+// Writes values in [0, 1], taken as they are (encode before), as an 8-bit PNG of 1, 3 or 4 channels.
+void write_png(const std::filesystem::path& path, const Image& image);
+
+// Reads any format that OpenImageIO knows. 8- and 16-bit values become [0, 1]; nothing is decoded.
+// `channel_names` receives the file's names. Throws Error (input) that names the file.
+Image read_image(const std::filesystem::path& path, std::vector<std::string>* channel_names = nullptr);
+
+// Reads one layer of an EXR: the channels whose name starts with "<layer>.", or the bare ones if empty.
+Image read_exr_layer(const std::filesystem::path& path, const std::string& layer);
+
+}  // namespace truescatter

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "scene/mesh.h"
+
+namespace truescatter {
+
+enum class NormalSource {
+  automatic,       // the file's where it has them, else angle-weighted
+  file,            // the file's; an Error (input) where it has none
+  angle_weighted,  // angle-weighted, whatever the file says
+};
+
+struct LoadOptions {
+  double unit_mm = 1.0;  // millimetres per unit of the file; > 0
+  NormalSource normals = NormalSource::automatic;
+  int loop_subdivisions = 0;  // 0..6
+};
+
+// Loads OBJ, PLY, OFF (OpenMesh), glTF, GLB, FBX (assimp), by the file's extension. Polygons are
+// triangulated, node transforms are applied, exactly coincident positions are joined, UVs are kept per
+// corner with v up. Degenerate triangles are kept: they have no area and do no harm.
+//
+// Throws Error (input) that names the file, and the line where the format is a text: no such file, unknown
+// extension, no triangle, a coordinate that is not finite, an index out of range, `unit_mm` not positive,
+// normals asked for that the file does not have.
+Mesh load_mesh(const std::filesystem::path& path, const LoadOptions& options);
+
+// One step of Loop subdivision (positions: Loop 1987 with Warren's weights, boundary rule for open edges;
+// UVs: linear, so that seams stay where they are; normals: angle-weighted afterwards).
+Mesh loop_subdivide(const Mesh& mesh);
+
+// What is wrong with a mesh's UVs, counted over triangles, and how dense they are.
+struct UvReport {
+  std::size_t triangles = 0;
+  std::size_t outside_unit_square = 0;  // triangles with a corner outside [0, 1]^2 by more than 1e-6
+  std::size_t flipped = 0;              // wound against the majority of the UV area
+  std::size_t zero_area = 0;            // UV area below 1e-12 while the triangle has area in space
+  std::size_t overlapping = 0;          // share interior points with another triangle in UV
+  double mm_per_unit_median = 0.0;      // sqrt(area in space / area in UV), area-weighted quantiles:
+  double mm_per_unit_p05 = 0.0;         //   divided by the texture size this is mm per texel
+  double mm_per_unit_p95 = 0.0;
+  double anisotropy_p95 = 1.0;          // largest over smallest singular value of dP/duv
+};
+
+UvReport inspect_uvs(const Mesh& mesh);
+
+}  // namespace truescatter

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/vec.h"
+
+namespace truescatter {
+
+// A triangle mesh in millimetres. Vertices are unique by position: exactly coincident positions of a file
+// (a file split at UV seams) are one vertex here; what may differ between the triangles around a vertex
+// (UVs, normals) is stored per corner, in the order of the triangle's vertices.
+struct Mesh {
+  std::vector<Vec3d> positions_mm;
+  std::vector<std::array<int, 3>> triangles;                  // counter-clockwise seen from outside
+  std::vector<std::array<Vec3d, 3>> corner_normals;           // unit length, one per triangle corner
+  std::optional<std::vector<std::array<Vec2d, 3>>> corner_uvs;  // v up: (0, 0) is the image's bottom left
+
+  std::size_t triangle_count() const { return triangles.size(); }
+  bool has_uvs() const { return corner_uvs.has_value(); }
+  const Vec3d& corner(std::size_t triangle, int c) const {
+    return positions_mm[static_cast<std::size_t>(triangles[triangle][static_cast<std::size_t>(c)])];
+  }
+};
+
+// Unit normal by the right-hand rule; zero for a degenerate triangle.
+Vec3d triangle_normal(const Mesh& mesh, std::size_t triangle);
+double triangle_area_mm2(const Mesh& mesh, std::size_t triangle);
+double surface_area_mm2(const Mesh& mesh);
+
+// Sets every corner's normal to the angle-weighted mean of the face normals around its vertex, taken over
+// those faces only that are joined to the corner's face by edges whose dihedral deviation is at most
+// `crease_angle_deg` (180: one smooth normal per vertex).
+void set_angle_weighted_normals(Mesh& mesh, double crease_angle_deg = 180.0);
+
+// Merges exactly coincident positions. Returns the new vertex of every old one.
+std::vector<int> weld_coincident_positions(Mesh& mesh);
+
+}  // namespace truescatter
