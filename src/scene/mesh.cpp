@@ -1,0 +1,207 @@
+#include "scene/mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+namespace truescatter {
+namespace {
+
+// Twice the area, along the normal.
+Vec3d area_vector(const Mesh& mesh, std::size_t triangle) {
+  const Vec3d& a = mesh.corner(triangle, 0);
+  return (mesh.corner(triangle, 1) - a).cross(mesh.corner(triangle, 2) - a);
+}
+
+double angle_between(const Vec3d& a, const Vec3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+double corner_angle(const Mesh& mesh, std::size_t triangle, int c) {
+  const Vec3d& at = mesh.corner(triangle, c);
+  return angle_between(mesh.corner(triangle, (c + 1) % 3) - at, mesh.corner(triangle, (c + 2) % 3) - at);
+}
+
+// Sets of corners that share a normal.
+class CornerSets {
+ public:
+  explicit CornerSets(std::size_t corners) : parent_(corners) {
+    std::iota(parent_.begin(), parent_.end(), 0U);
+  }
+
+  std::size_t root(std::size_t corner) {
+    while (parent_[corner] != corner) {
+      parent_[corner] = parent_[parent_[corner]];
+      corner = parent_[corner];
+    }
+    return corner;
+  }
+
+  void join(std::size_t a, std::size_t b) {
+    const std::size_t root_a = root(a);
+    const std::size_t root_b = root(b);
+    // The lower index wins, so that the result does not depend on the order of joining.
+    parent_[std::max(root_a, root_b)] = std::min(root_a, root_b);
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+// One side of an edge: the triangle's corner at the edge's lower vertex and at its higher one.
+struct EdgeSide {
+  int low = 0;
+  int high = 0;
+  std::size_t low_corner = 0;
+  std::size_t high_corner = 0;
+};
+
+std::vector<EdgeSide> sorted_edge_sides(const Mesh& mesh) {
+  std::vector<EdgeSide> sides;
+  sides.reserve(3 * mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t next = (c + 1) % 3;
+      EdgeSide side{mesh.triangles[t][c], mesh.triangles[t][next], 3 * t + c, 3 * t + next};
+      if (side.low > side.high) {
+        std::swap(side.low, side.high);
+        std::swap(side.low_corner, side.high_corner);
+      }
+      sides.push_back(side);
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const EdgeSide& a, const EdgeSide& b) {
+    return std::tie(a.low, a.high, a.low_corner) < std::tie(b.low, b.high, b.low_corner);
+  });
+  return sides;
+}
+
+void join_across_soft_edges(const Mesh& mesh, const std::vector<Vec3d>& face_normals, double crease_angle_deg,
+                            CornerSets& sets) {
+  const double crease_angle = crease_angle_deg * kPi / 180.0;
+  const std::vector<EdgeSide> sides = sorted_edge_sides(mesh);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    for (std::size_t j = i + 1; j < sides.size(); ++j) {
+      if (sides[j].low != sides[i].low || sides[j].high != sides[i].high) break;
+      const Vec3d& a = face_normals[sides[i].low_corner / 3];
+      const Vec3d& b = face_normals[sides[j].low_corner / 3];
+      // A degenerate triangle has no direction: it joins nobody, and takes the smooth normal below.
+      if (a.isZero(0.0) || b.isZero(0.0) || angle_between(a, b) > crease_angle) continue;
+      sets.join(sides[i].low_corner, sides[j].low_corner);
+      sets.join(sides[i].high_corner, sides[j].high_corner);
+    }
+  }
+}
+
+void join_at_vertices(const Mesh& mesh, CornerSets& sets) {
+  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> first(mesh.positions_mm.size(), kNone);
+  for (std::size_t corner = 0; corner < 3 * mesh.triangles.size(); ++corner) {
+    std::size_t& entry = first[static_cast<std::size_t>(mesh.triangles[corner / 3][corner % 3])];
+    if (entry == kNone) entry = corner;
+    sets.join(entry, corner);
+  }
+}
+
+// The normalised sum, or the first direction of the others that has a length.
+Vec3d unit_or(const Vec3d& sum, const Vec3d& second, const Vec3d& third) {
+  for (const Vec3d* candidate : {&sum, &second, &third}) {
+    const double length = candidate->norm();
+    if (length > 0.0) return *candidate / length;
+  }
+  return Vec3d::UnitZ();
+}
+
+using PositionKey = std::array<std::uint64_t, 3>;
+
+PositionKey position_key(const Vec3d& position) {
+  PositionKey key{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double value = position[axis] + 0.0;  // -0.0 + 0.0 is 0.0
+    std::memcpy(&key[static_cast<std::size_t>(axis)], &value, sizeof(value));
+  }
+  return key;
+}
+
+struct PositionHash {
+  std::size_t operator()(const PositionKey& key) const {
+    std::uint64_t hash = 0;
+    for (const std::uint64_t part : key) {
+      hash = (hash ^ part) * 0x9E3779B97F4A7C15ULL;
+      hash ^= hash >> 29U;
+    }
+    return static_cast<std::size_t>(hash);
+  }
+};
+
+}  // namespace
+
+Vec3d triangle_normal(const Mesh& mesh, std::size_t triangle) {
+  const Vec3d vector = area_vector(mesh, triangle);
+  const double length = vector.norm();
+  if (length > 0.0) return vector / length;
+  return Vec3d::Zero();
+}
+
+double triangle_area_mm2(const Mesh& mesh, std::size_t triangle) {
+  return 0.5 * area_vector(mesh, triangle).norm();
+}
+
+double surface_area_mm2(const Mesh& mesh) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) sum += triangle_area_mm2(mesh, t);
+  return sum;
+}
+
+void set_angle_weighted_normals(Mesh& mesh, double crease_angle_deg) {
+  const std::size_t triangles = mesh.triangles.size();
+  std::vector<Vec3d> face_normals(triangles);
+  for (std::size_t t = 0; t < triangles; ++t) face_normals[t] = triangle_normal(mesh, t);
+
+  CornerSets sets(3 * triangles);
+  if (crease_angle_deg >= 180.0) {
+    join_at_vertices(mesh, sets);
+  } else {
+    join_across_soft_edges(mesh, face_normals, crease_angle_deg, sets);
+  }
+
+  std::vector<Vec3d> set_sums(3 * triangles, Vec3d::Zero());
+  std::vector<Vec3d> vertex_sums(mesh.positions_mm.size(), Vec3d::Zero());
+  for (std::size_t corner = 0; corner < 3 * triangles; ++corner) {
+    const std::size_t t = corner / 3;
+    if (face_normals[t].isZero(0.0)) continue;
+    const Vec3d weighted = corner_angle(mesh, t, static_cast<int>(corner % 3)) * face_normals[t];
+    set_sums[sets.root(corner)] += weighted;
+    vertex_sums[static_cast<std::size_t>(mesh.triangles[t][corner % 3])] += weighted;
+  }
+
+  mesh.corner_normals.resize(triangles);
+  for (std::size_t corner = 0; corner < 3 * triangles; ++corner) {
+    const std::size_t t = corner / 3;
+    const Vec3d& smooth = vertex_sums[static_cast<std::size_t>(mesh.triangles[t][corner % 3])];
+    mesh.corner_normals[t][corner % 3] = unit_or(set_sums[sets.root(corner)], face_normals[t], smooth);
+  }
+}
+
+std::vector<int> weld_coincident_positions(Mesh& mesh) {
+  std::unordered_map<PositionKey, int, PositionHash> known;
+  known.reserve(mesh.positions_mm.size());
+  std::vector<Vec3d> unique;
+  std::vector<int> new_vertex;
+  new_vertex.reserve(mesh.positions_mm.size());
+  for (const Vec3d& position : mesh.positions_mm) {
+    const auto [entry, is_new] = known.try_emplace(position_key(position), static_cast<int>(unique.size()));
+    if (is_new) unique.push_back(position);
+    new_vertex.push_back(entry->second);
+  }
+  mesh.positions_mm = std::move(unique);
+  for (std::array<int, 3>& triangle : mesh.triangles) {
+    for (int& vertex : triangle) vertex = new_vertex[static_cast<std::size_t>(vertex)];
+  }
+  return new_vertex;
+}
+
+}  // namespace truescatter
