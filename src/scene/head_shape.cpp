@@ -78,10 +78,10 @@ Loft head_loft() {
   loft.sections = {{61.0, 26.0, 40.0, 19.0, 2.0},     // -90
                    {62.0, 24.0, 38.0, 20.0, 2.0},     // -80
                    {63.0, 18.0, 34.0, 22.0, 2.0},     // -70: chin
-                   {64.0, 6.0, 24.0, 29.0, 2.0},      // -60
-                   {62.5, -8.0, 10.0, 34.5, 2.0},     // -50
-                   {63.5, -24.0, 0.0, 39.0, 2.0},     // -40: mouth
-                   {64.0, -42.0, -6.0, 43.0, 2.05},   // -30
+                   {64.0, 6.0, 24.0, 27.0, 2.0},      // -60
+                   {62.5, -8.0, 10.0, 32.0, 2.0},     // -50
+                   {63.5, -24.0, 0.0, 37.0, 2.0},     // -40: mouth
+                   {64.0, -42.0, -6.0, 41.5, 2.05},   // -30
                    {62.5, -56.0, -9.0, 47.0, 2.1},    // -20
                    {61.0, -65.0, -10.0, 49.0, 2.15},  // -10
                    {60.5, -70.0, -10.0, 50.0, 2.2},   //   0
@@ -244,9 +244,10 @@ double Bust::with_cheek_and_chin(double d, const Vec3d& p) const {
   const Vec3d soft = fold(p, 4.0);
   // Cheekbones, the mound of the teeth, the chin's ball, the angle of the jaw.
   d = smooth_union(d, Ellipsoid{{28.0, -4.0, 37.0}, {14.0, 9.0, 13.0}}.distance_mm(soft), 18.0);
+  d = smooth_union(d, Ellipsoid{{24.0, -22.0, 36.0}, {13.0, 14.0, 13.0}}.distance_mm(soft), 16.0);
   d = smooth_union(d, Ellipsoid{{0.0, -37.0, 44.0}, {24.0, 17.0, 24.0}}.distance_mm(p), 14.0);
   d = smooth_union(d, Ellipsoid{{0.0, -59.0, 53.0}, {15.0, 9.0, 12.5}}.distance_mm(p), 12.0);
-  d = smooth_union(d, Capsule{{34.0, -40.0, 2.0}, 7.0, {15.0, -58.0, 44.0}, 7.0}.distance_mm(soft), 18.0);
+  d = smooth_union(d, Capsule{{31.5, -40.0, 2.0}, 7.0, {13.5, -58.0, 44.0}, 7.0}.distance_mm(soft), 18.0);
   // The brow ridge, and the temple behind it.
   d = smooth_union(d, Capsule{{8.0, 20.5, 56.5}, 7.0, {29.0, 22.5, 44.0}, 6.0}.distance_mm(soft), 12.0);
   d += 2.0 * Ellipsoid{{50.0, 24.0, 30.0}, {20.0, 24.0, 24.0}}.brush(soft);
@@ -261,8 +262,8 @@ void Bust::model_nose() {
                         {{0.0, -15.0, 72.5}, 6.2}});
   wing_groove_ = Sweep({{{9.5, -12.0, 71.0}, 1.5},
                         {{12.5, -13.5, 66.5}, 2.4},
-                        {{14.0, -19.0, 63.5}, 2.8},
-                        {{13.0, -24.0, 63.0}, 2.4}});
+                        {{14.0, -18.5, 63.0}, 2.6},
+                        {{14.0, -21.5, 61.5}, 1.8}});
 }
 
 double Bust::with_nose(double d, const Vec3d& p) const {
@@ -305,7 +306,7 @@ double Bust::with_eye(double d, const Vec3d& p) const {
   const Ellipsoid ball{{22.0, 7.5, 45.2}, {11.3, 10.3, 10.8}};
   d = smooth_difference(d, socket.distance_mm(p), 9.0);
   d = smooth_union(d, ball.distance_mm(p), 2.5);
-  d += 0.8 * upper_lid_fold_.brush(p) + 0.8 * lid_line_.brush(p) + 0.4 * lower_lid_fold_.brush(p);
+  d += 0.8 * upper_lid_fold_.brush(p) + 0.8 * lid_line_.brush(p) + 0.25 * lower_lid_fold_.brush(p);
   return d;
 }
 
@@ -315,20 +316,23 @@ void Bust::model_mouth() {
                       {0.0, -35.4, -1.0, 2.9},
                       {4.5, -34.6, -1.2, 3.0},
                       {10.5, -36.2, -1.4, 2.6},
-                      {17.0, -38.6, -1.2, 1.4}},
+                      {15.0, -37.8, -1.5, 1.9},
+                      {19.0, -39.2, -1.6, 0.9}},
                      bare);
   lower_lip_ = drape({{-6.0, -41.6, -1.6, 3.7},
                       {0.0, -41.8, -1.6, 3.7},
                       {6.0, -41.6, -1.6, 3.7},
-                      {12.0, -40.6, -1.6, 2.8},
-                      {17.0, -39.3, -1.2, 1.3}},
+                      {11.5, -40.8, -1.8, 2.9},
+                      {15.5, -39.9, -1.7, 1.8},
+                      {19.0, -39.4, -1.6, 0.9}},
                      bare);
   const auto lipped = [this](const Vec3d& p) { return with_mouth(face_mm(p), p); };
   mouth_line_ = drape({{-5.0, -37.9, 0.0, 1.7},
                        {0.0, -38.3, 0.0, 1.7},
                        {5.0, -37.8, 0.0, 1.7},
                        {11.0, -38.5, 0.0, 1.8},
-                       {18.0, -39.2, 0.0, 2.2}},
+                       {16.0, -39.1, 0.0, 2.2},
+                       {20.0, -39.8, 0.0, 1.8}},
                       lipped);
 }
 
@@ -336,7 +340,7 @@ double Bust::with_mouth(double d, const Vec3d& p) const {
   if (is_out_of_reach(p, {0.0, -37.0, 62.0}, 28.0, d, 3.0)) return d;
   d += 1.0 * Ellipsoid{{0.0, -30.0, 70.0}, {3.2, 6.0, 6.0}}.brush(p);    // philtrum
   d += 2.0 * Ellipsoid{{0.0, -49.5, 68.0}, {15.0, 6.0, 10.0}}.brush(p);  // furrow above the chin
-  d += 0.6 * nasolabial_fold_.brush(p);
+  d += 0.5 * nasolabial_fold_.brush(p);
   if (upper_lip_.far_bound_mm(p) < 6.0 || lower_lip_.far_bound_mm(p) < 6.0) {
     d = smooth_union(d, upper_lip_.distance_mm(p), 2.2);
     d = smooth_union(d, lower_lip_.distance_mm(p), 2.2);
@@ -359,7 +363,7 @@ void Bust::model_folds() {
 double Bust::with_neck(double d, const Vec3d& p) const {
   if (p.y() > 0.0) return d;
   d = smooth_union(d, neck_muscle_.distance_mm(p), 10.0);
-  d = smooth_union(d, Capsule{{0.0, -84.0, 19.0}, 6.0, {0.0, -91.0, 17.0}, 6.0}.distance_mm(p),
+  d = smooth_union(d, Capsule{{0.0, -84.0, 17.5}, 7.0, {0.0, -90.0, 15.5}, 7.0}.distance_mm(p),
                    10.0);                              // larynx
   return smooth_intersection(d, -105.0 - p.y(), 8.0);  // the base
 }
