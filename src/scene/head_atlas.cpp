@@ -58,6 +58,10 @@ class Segmentation {
  public:
   explicit Segmentation(const Mesh& mesh) : mesh_(mesh), neighbours_(neighbours(mesh)) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) charts.push_back(first_guess(t));
+    for (int round = 0; round < 6; ++round) {
+      cut_teeth();
+      cut_shallow_teeth();
+    }
     // Each repair may undo another's work a little, so they take turns until nothing moves.
     for (int round = 0; round < 20; ++round) {
       const bool moved = drop_islands();
@@ -132,12 +136,32 @@ class Segmentation {
   bool cut_teeth() {
     bool moved = false;
     for (std::size_t t = 0; t < charts.size(); ++t) {
-      const auto is_foreign = [&](int n) { return charts[std::size_t(n)] != charts[t]; };
-      if (std::count_if(neighbours_[t].begin(), neighbours_[t].end(), is_foreign) < 2) continue;
+      if (foreign_edges(t) < 2) continue;
       give_away({int(t)});
       moved = true;
     }
     return moved;
+  }
+
+  // So would one with all three corners there.
+  void cut_shallow_teeth() {
+    std::vector<char> is_on_border(mesh_.positions_mm.size(), 0);
+    for (std::size_t t = 0; t < charts.size(); ++t)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (charts[std::size_t(neighbours_[t][c])] != charts[t])
+          is_on_border[std::size_t(mesh_.triangles[t][c])] =
+              is_on_border[std::size_t(mesh_.triangles[t][(c + 1) % 3])] = 1;
+    for (std::size_t t = 0; t < charts.size(); ++t) {
+      const auto on_border = [&](int v) { return is_on_border[std::size_t(v)] != 0; };
+      const auto& corners = mesh_.triangles[t];
+      if (foreign_edges(t) == 1 && std::all_of(corners.begin(), corners.end(), on_border))
+        give_away({int(t)});
+    }
+  }
+
+  long foreign_edges(std::size_t t) const {
+    const auto is_foreign = [&](int n) { return charts[std::size_t(n)] != charts[t]; };
+    return std::count_if(neighbours_[t].begin(), neighbours_[t].end(), is_foreign);
   }
 
   // A chart that touches itself in a vertex is no disc: the smaller of the two fans goes.

@@ -13,6 +13,11 @@ namespace {
 
 using namespace sculpt;
 
+// The union with a sweep, skipped where that is too far away to matter.
+double with_sweep(double d, const Sweep& sweep, const Vec3d& p, double k_mm) {
+  return sweep.far_bound_mm(p) > std::abs(d) + k_mm ? d : smooth_union(d, sweep.distance_mm(p), k_mm);
+}
+
 // --- Lofts: bodies that are given by their outlines ------------------------------------------------------
 
 // One horizontal section: how far it reaches to the front and back, where it is widest, and half its width.
@@ -28,6 +33,12 @@ Section blend(const Section& a, double wa, const Section& b, double wb) {
   return {wa * a.front_mm + wb * b.front_mm, wa * a.back_mm + wb * b.back_mm,
           wa * a.widest_z_mm + wb * b.widest_z_mm, wa * a.half_width_mm + wb * b.half_width_mm,
           wa * a.exponent + wb * b.exponent};
+}
+
+double superellipse_norm(double x, double z, double n) {
+  constexpr double kTiny = 1e-12;  // keeps the axis differentiable
+  if (n == 2.0) return std::sqrt(x * x + z * z + kTiny);
+  return std::pow(std::pow(x, n) + std::pow(z, n) + kTiny, 1.0 / n);
 }
 
 // Sections every 10 mm, joined by a uniform cubic B-spline, with rounded caps.
@@ -60,9 +71,8 @@ struct Loft {
         is_front ? section.front_mm - section.widest_z_mm : section.widest_z_mm - section.back_mm;
     const double n = is_front ? section.exponent : 2.0;
     const double z = p.z() - section.widest_z_mm;
-    const double planar = std::pow(
-        std::pow(std::abs(p.x()) / section.half_width_mm, n) + std::pow(std::abs(z) / depth_mm, n) + 1e-12,
-        1.0 / n);
+    const double planar =
+        superellipse_norm(std::abs(p.x()) / section.half_width_mm, std::abs(z) / depth_mm, n);
     const double rise_mm = p.y() - y;
     const double cap = rise_mm / (rise_mm > 0.0 ? top_cap_mm : bottom_cap_mm);
     const double q = std::sqrt(planar * planar + cap * cap);
@@ -237,19 +247,22 @@ Sweep Bust::drape(const std::vector<FaceKnot>& knots, const Field& field) {
 
 double Bust::masses_mm(const Vec3d& p) const {
   const double head = head_.distance_mm(p);
-  return smooth_union(head, neck_.distance_mm(p), 16.0);
+  constexpr double kBlend_mm = 16.0;
+  const double above_neck_mm = p.y() - (neck_.top_mm + neck_.top_cap_mm);
+  if (above_neck_mm > std::abs(head) + kBlend_mm) return head;
+  return smooth_union(head, neck_.distance_mm(p), kBlend_mm);
 }
 
 double Bust::with_cheek_and_chin(double d, const Vec3d& p) const {
   const Vec3d soft = fold(p, 4.0);
   // Cheekbones, the mound of the teeth, the chin's ball, the angle of the jaw.
-  d = smooth_union(d, Ellipsoid{{28.0, -4.0, 37.0}, {14.0, 9.0, 13.0}}.distance_mm(soft), 18.0);
-  d = smooth_union(d, Ellipsoid{{24.0, -22.0, 36.0}, {13.0, 14.0, 13.0}}.distance_mm(soft), 16.0);
+  d = smooth_union(d, Ellipsoid{{26.5, -6.0, 35.0}, {14.5, 12.0, 14.0}}.distance_mm(soft), 20.0);
+  d = smooth_union(d, Ellipsoid{{22.0, -22.0, 34.0}, {15.0, 20.0, 15.0}}.distance_mm(soft), 20.0);
   d = smooth_union(d, Ellipsoid{{0.0, -37.0, 44.0}, {24.0, 17.0, 24.0}}.distance_mm(p), 14.0);
   d = smooth_union(d, Ellipsoid{{0.0, -59.0, 53.0}, {15.0, 9.0, 12.5}}.distance_mm(p), 12.0);
   d = smooth_union(d, Capsule{{31.5, -40.0, 2.0}, 7.0, {13.5, -58.0, 44.0}, 7.0}.distance_mm(soft), 18.0);
   // The brow ridge, and the temple behind it.
-  d = smooth_union(d, Capsule{{8.0, 20.5, 56.5}, 7.0, {29.0, 22.5, 44.0}, 6.0}.distance_mm(soft), 12.0);
+  d = smooth_union(d, Capsule{{8.0, 20.5, 56.5}, 7.0, {29.0, 23.0, 43.5}, 6.0}.distance_mm(soft), 16.0);
   d += 2.0 * Ellipsoid{{50.0, 24.0, 30.0}, {20.0, 24.0, 24.0}}.brush(soft);
   return d;
 }
@@ -268,14 +281,14 @@ void Bust::model_nose() {
 
 double Bust::with_nose(double d, const Vec3d& p) const {
   if (is_out_of_reach(p, {0.0, -4.0, 66.0}, 24.0, d, 13.0)) return d;
-  d = smooth_union(d, nose_bridge_.distance_mm(p), 13.0);
+  d = with_sweep(d, nose_bridge_, p, 13.0);
   d = smooth_union(d, Ellipsoid{{0.0, -16.5, 73.5}, {7.4, 6.4, 7.2}}.distance_mm(p), 8.0);  // tip
   d = smooth_union(d, Ellipsoid{{8.2, -18.8, 68.0}, {5.0, 5.2, 7.0}}.distance_mm(p), 7.0);  // wing
   d = smooth_union(d, Capsule{{0.0, -20.0, 73.0}, 2.8, {0.0, -24.0, 64.5}, 3.2}.distance_mm(p),
                    4.0);  // columella
   d += 0.9 * wing_groove_.brush(p);
   const Ellipsoid nostril{{5.2, -22.0, 68.8}, {2.6, 6.6, 4.4}};
-  return smooth_difference(d, nostril.distance_mm(p), 2.0);
+  return smooth_difference(d, nostril.distance_mm(p), 2.4);
 }
 
 void Bust::model_eye() {
@@ -285,11 +298,11 @@ void Bust::model_eye() {
                                        {22.0, 16.0, 0.0, 2.4},
                                        {29.0, 14.0, 0.0, 2.3},
                                        {34.0, 9.5, 0.0, 1.6}};
-  const std::vector<FaceKnot> line = {{10.5, 6.0, 0.0, 1.3},
-                                      {15.0, 5.0, 0.0, 1.5},
-                                      {21.5, 3.8, 0.0, 1.6},
-                                      {28.0, 4.8, 0.0, 1.5},
-                                      {33.5, 7.6, 0.0, 1.3}};
+  const std::vector<FaceKnot> line = {{10.5, 6.0, 0.0, 1.7},
+                                      {15.0, 5.0, 0.0, 1.9},
+                                      {21.5, 3.8, 0.0, 2.0},
+                                      {28.0, 4.8, 0.0, 1.9},
+                                      {33.5, 7.6, 0.0, 1.7}};
   const std::vector<FaceKnot> lower = {
       {12.0, 1.0, 0.0, 2.0}, {17.0, -3.5, 0.0, 3.5}, {24.0, -5.0, 0.0, 4.5}, {32.0, -1.5, 0.0, 2.5}};
   const Sweep upper_fold = drape(upper, lidded);
@@ -316,23 +329,23 @@ void Bust::model_mouth() {
                       {0.0, -35.4, -1.0, 2.9},
                       {4.5, -34.6, -1.2, 3.0},
                       {10.5, -36.2, -1.4, 2.6},
-                      {15.0, -37.8, -1.5, 1.9},
-                      {19.0, -39.2, -1.6, 0.9}},
+                      {14.5, -37.6, -1.8, 1.9},
+                      {18.0, -39.2, -2.8, 1.0}},
                      bare);
   lower_lip_ = drape({{-6.0, -41.6, -1.6, 3.7},
                       {0.0, -41.8, -1.6, 3.7},
                       {6.0, -41.6, -1.6, 3.7},
                       {11.5, -40.8, -1.8, 2.9},
-                      {15.5, -39.9, -1.7, 1.8},
-                      {19.0, -39.4, -1.6, 0.9}},
+                      {15.0, -40.2, -2.0, 1.9},
+                      {18.0, -39.4, -2.8, 1.0}},
                      bare);
   const auto lipped = [this](const Vec3d& p) { return with_mouth(face_mm(p), p); };
-  mouth_line_ = drape({{-5.0, -37.9, 0.0, 1.7},
-                       {0.0, -38.3, 0.0, 1.7},
-                       {5.0, -37.8, 0.0, 1.7},
+  mouth_line_ = drape({{-5.0, -37.9, 0.0, 1.9},
+                       {0.0, -38.3, 0.0, 1.9},
+                       {5.0, -37.8, 0.0, 1.9},
                        {11.0, -38.5, 0.0, 1.8},
-                       {16.0, -39.1, 0.0, 2.2},
-                       {20.0, -39.8, 0.0, 1.8}},
+                       {15.5, -39.0, 0.0, 2.2},
+                       {19.0, -39.6, 0.0, 2.2}},
                       lipped);
 }
 
@@ -342,8 +355,8 @@ double Bust::with_mouth(double d, const Vec3d& p) const {
   d += 2.0 * Ellipsoid{{0.0, -49.5, 68.0}, {15.0, 6.0, 10.0}}.brush(p);  // furrow above the chin
   d += 0.5 * nasolabial_fold_.brush(p);
   if (upper_lip_.far_bound_mm(p) < 6.0 || lower_lip_.far_bound_mm(p) < 6.0) {
-    d = smooth_union(d, upper_lip_.distance_mm(p), 2.2);
-    d = smooth_union(d, lower_lip_.distance_mm(p), 2.2);
+    d = with_sweep(d, upper_lip_, p, 2.2);
+    d = with_sweep(d, lower_lip_, p, 2.2);
     d += 1.2 * mouth_line_.brush(p);
   }
   return d;
@@ -362,7 +375,7 @@ void Bust::model_folds() {
 
 double Bust::with_neck(double d, const Vec3d& p) const {
   if (p.y() > 0.0) return d;
-  d = smooth_union(d, neck_muscle_.distance_mm(p), 10.0);
+  d = with_sweep(d, neck_muscle_, p, 10.0);
   d = smooth_union(d, Capsule{{0.0, -84.0, 17.5}, 7.0, {0.0, -90.0, 15.5}, 7.0}.distance_mm(p),
                    10.0);                              // larynx
   return smooth_intersection(d, -105.0 - p.y(), 8.0);  // the base
@@ -419,10 +432,10 @@ double Bust::with_ear(double d, const Vec3d& p) const {
   double all = smooth_union(d, ear, 5.0);
   all = smooth_union(all, Ellipsoid{{1.5, -17.5, 0.0}, {6.0, 5.5, 2.4}}.distance_mm(e), 3.0);      // lobe
   all = smooth_difference(all, Ellipsoid{{2.0, -3.8, 1.2}, {6.8, 7.8, 6.8}}.distance_mm(e), 2.5);  // concha
-  all = smooth_union(all, helix_.distance_mm(e), 1.8);
+  all = with_sweep(all, helix_, e, 1.8);
   all = smooth_difference(all, scapha_.distance_mm(e), 1.2);
-  all = smooth_union(all, antihelix_.distance_mm(e), 2.4);
-  all = smooth_union(all, antihelix_fork_.distance_mm(e), 2.6);
+  all = with_sweep(all, antihelix_, e, 2.4);
+  all = with_sweep(all, antihelix_fork_, e, 2.6);
   return smooth_union(all, Capsule{{11.0, -5.5, -0.5}, 3.0, {8.0, -4.0, 2.6}, 2.0}.distance_mm(e),
                       3.0);  // tragus
 }
@@ -472,16 +485,18 @@ double head_edge_mm(const Vec3d& p_mm, double edge_mm) {
     double edge_factor;
     double longest_mm;
   };
-  static const std::array<Detail, 4> details = {{{{57.0, 0.0, -14.0}, 29.0, 0.5, 1.4},   // ear
-                                                 {{6.0, -21.0, 72.0}, 12.0, 0.5, 1.3},   // nostrils
-                                                 {{8.0, -38.0, 66.0}, 14.0, 0.6, 1.6},   // lips
-                                                 {{22.0, 7.0, 54.0}, 15.0, 0.6, 1.6}}};  // lids
+  static const std::array<Detail, 5> details = {
+      {{{57.0, 0.0, -14.0}, 29.0, 0.5, 1.3},    // ear
+       {{7.0, -20.0, 69.0}, 11.0, 0.45, 1.1},   // nostrils
+       {{5.0, -38.0, 69.0}, 9.0, 0.42, 1.05},   // lips
+       {{15.0, -38.5, 62.0}, 7.0, 0.42, 1.05},  // corner of the mouth
+       {{22.0, 9.0, 53.0}, 13.0, 0.45, 1.1}}};  // lids
   const Vec3d half(std::abs(p_mm.x()), p_mm.y(), p_mm.z());
   double result_mm = edge_mm;
   for (const Detail& detail : details) {
     const double fine_mm = std::min(edge_mm * detail.edge_factor, detail.longest_mm);
     const double outside_mm = std::max(0.0, (half - detail.center_mm).norm() - detail.radius_mm);
-    result_mm = std::min(result_mm, fine_mm + 0.25 * outside_mm);
+    result_mm = std::min(result_mm, fine_mm + 0.3 * outside_mm);
   }
   return result_mm;
 }
