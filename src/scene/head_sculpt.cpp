@@ -68,10 +68,10 @@ double Sweep::distance_mm(const Vec3d& p) const {
   return (p - knot.point_mm).norm() - knot.radius_mm;
 }
 
-double Sweep::brush(const Vec3d& p) const {
+double Sweep::groove_mm(const Vec3d& p) const {
   if (far_bound_mm(p) > 0.0) return 0.0;
   const Knot knot = nearest(p);
-  return bump((p - knot.point_mm).norm() / knot.radius_mm);
+  return knot.radius_mm * bump((p - knot.point_mm).norm() / knot.radius_mm);
 }
 
 }  // namespace truescatter::sculpt

@@ -73,8 +73,9 @@ class Sweep {
 
   // Distance to the swept tube.
   double distance_mm(const Vec3d& p) const;
-  // 1 on the curve, 0 at its radius and beyond: raises a ridge, or presses a groove.
-  double brush(const Vec3d& p) const;
+  // The radius on the curve, 0 beyond that from it: presses a groove (or raises a ridge) that is in
+  // proportion as deep as it is wide, so that it fades out where the curve gets thin.
+  double groove_mm(const Vec3d& p) const;
   // A lower bound of distance_mm that costs next to nothing.
   double far_bound_mm(const Vec3d& p) const { return (p - center_mm_).norm() - bound_mm_; }
 

@@ -273,10 +273,10 @@ void Bust::model_nose() {
                         {{0.0, 0.0, 62.0}, 5.2},
                         {{0.0, -9.0, 68.0}, 5.4},
                         {{0.0, -15.0, 72.5}, 6.2}});
-  wing_groove_ = Sweep({{{9.5, -12.0, 71.0}, 1.5},
-                        {{12.5, -13.5, 66.5}, 2.4},
-                        {{14.0, -18.5, 63.0}, 2.6},
-                        {{14.0, -21.5, 61.5}, 1.8}});
+  wing_groove_ = Sweep({{{8.5, -10.5, 71.5}, 0.8},
+                        {{12.0, -13.0, 67.0}, 2.6},
+                        {{14.2, -18.0, 63.0}, 3.2},
+                        {{14.5, -22.5, 60.5}, 1.0}});
 }
 
 double Bust::with_nose(double d, const Vec3d& p) const {
@@ -286,25 +286,25 @@ double Bust::with_nose(double d, const Vec3d& p) const {
   d = smooth_union(d, Ellipsoid{{8.2, -18.8, 68.0}, {5.0, 5.2, 7.0}}.distance_mm(p), 7.0);  // wing
   d = smooth_union(d, Capsule{{0.0, -20.0, 73.0}, 2.8, {0.0, -24.0, 64.5}, 3.2}.distance_mm(p),
                    4.0);  // columella
-  d += 0.9 * wing_groove_.brush(p);
+  d += 0.28 * wing_groove_.groove_mm(p);
   const Ellipsoid nostril{{5.2, -22.0, 68.8}, {2.6, 6.6, 4.4}};
   return smooth_difference(d, nostril.distance_mm(p), 2.4);
 }
 
 void Bust::model_eye() {
   const auto lidded = [this](const Vec3d& p) { return with_eye(face_mm(p), p); };
-  const std::vector<FaceKnot> upper = {{11.5, 9.5, 0.0, 1.5},
-                                       {15.5, 14.0, 0.0, 2.2},
-                                       {22.0, 16.0, 0.0, 2.4},
-                                       {29.0, 14.0, 0.0, 2.3},
-                                       {34.0, 9.5, 0.0, 1.6}};
-  const std::vector<FaceKnot> line = {{10.5, 6.0, 0.0, 1.7},
+  const std::vector<FaceKnot> upper = {{11.5, 9.0, 0.0, 0.8},
+                                       {15.5, 13.8, 0.0, 2.2},
+                                       {22.0, 16.0, 0.0, 2.6},
+                                       {29.0, 14.0, 0.0, 2.4},
+                                       {35.0, 8.5, 0.0, 0.8}};
+  const std::vector<FaceKnot> line = {{9.8, 6.2, 0.0, 0.8},
                                       {15.0, 5.0, 0.0, 1.9},
-                                      {21.5, 3.8, 0.0, 2.0},
+                                      {21.5, 3.8, 0.0, 2.1},
                                       {28.0, 4.8, 0.0, 1.9},
-                                      {33.5, 7.6, 0.0, 1.7}};
+                                      {34.5, 7.8, 0.0, 0.8}};
   const std::vector<FaceKnot> lower = {
-      {12.0, 1.0, 0.0, 2.0}, {17.0, -3.5, 0.0, 3.5}, {24.0, -5.0, 0.0, 4.5}, {32.0, -1.5, 0.0, 2.5}};
+      {11.0, 1.5, 0.0, 1.0}, {16.0, -3.0, 0.0, 4.0}, {23.0, -5.0, 0.0, 5.0}, {33.0, -1.0, 0.0, 1.0}};
   const Sweep upper_fold = drape(upper, lidded);
   const Sweep lid_line = drape(line, lidded);
   const Sweep lower_fold = drape(lower, lidded);
@@ -319,7 +319,8 @@ double Bust::with_eye(double d, const Vec3d& p) const {
   const Ellipsoid ball{{22.0, 7.5, 45.2}, {11.3, 10.3, 10.8}};
   d = smooth_difference(d, socket.distance_mm(p), 9.0);
   d = smooth_union(d, ball.distance_mm(p), 2.5);
-  d += 0.8 * upper_lid_fold_.brush(p) + 0.8 * lid_line_.brush(p) + 0.25 * lower_lid_fold_.brush(p);
+  d += 0.36 * upper_lid_fold_.groove_mm(p) + 0.42 * lid_line_.groove_mm(p) +
+       0.06 * lower_lid_fold_.groove_mm(p);
   return d;
 }
 
@@ -344,8 +345,8 @@ void Bust::model_mouth() {
                        {0.0, -38.3, 0.0, 1.9},
                        {5.0, -37.8, 0.0, 1.9},
                        {11.0, -38.5, 0.0, 1.8},
-                       {15.5, -39.0, 0.0, 2.2},
-                       {19.0, -39.6, 0.0, 2.2}},
+                       {15.5, -39.0, 0.0, 2.1},
+                       {19.5, -39.9, 0.0, 0.8}},
                       lipped);
 }
 
@@ -353,11 +354,11 @@ double Bust::with_mouth(double d, const Vec3d& p) const {
   if (is_out_of_reach(p, {0.0, -37.0, 62.0}, 28.0, d, 3.0)) return d;
   d += 1.0 * Ellipsoid{{0.0, -30.0, 70.0}, {3.2, 6.0, 6.0}}.brush(p);    // philtrum
   d += 2.0 * Ellipsoid{{0.0, -49.5, 68.0}, {15.0, 6.0, 10.0}}.brush(p);  // furrow above the chin
-  d += 0.5 * nasolabial_fold_.brush(p);
+  d += 0.09 * nasolabial_fold_.groove_mm(p);
   if (upper_lip_.far_bound_mm(p) < 6.0 || lower_lip_.far_bound_mm(p) < 6.0) {
     d = with_sweep(d, upper_lip_, p, 2.2);
     d = with_sweep(d, lower_lip_, p, 2.2);
-    d += 1.2 * mouth_line_.brush(p);
+    d += 0.62 * mouth_line_.groove_mm(p);
   }
   return d;
 }
@@ -365,7 +366,7 @@ double Bust::with_mouth(double d, const Vec3d& p) const {
 void Bust::model_folds() {
   const auto bare = [this](const Vec3d& p) { return face_mm(p); };
   nasolabial_fold_ = drape(
-      {{15.0, -20.0, 0.0, 2.5}, {18.0, -25.0, 0.0, 5.0}, {21.0, -32.0, 0.0, 5.5}, {23.0, -40.0, 0.0, 3.0}},
+      {{14.5, -18.0, 0.0, 1.0}, {17.5, -24.0, 0.0, 5.5}, {21.0, -32.0, 0.0, 6.5}, {24.0, -42.0, 0.0, 1.5}},
       bare);
   neck_muscle_ = Sweep({{{39.0, -26.0, -20.0}, 4.5},
                         {{31.5, -55.0, -8.0}, 5.5},
@@ -377,8 +378,8 @@ double Bust::with_neck(double d, const Vec3d& p) const {
   if (p.y() > 0.0) return d;
   d = with_sweep(d, neck_muscle_, p, 10.0);
   d = smooth_union(d, Capsule{{0.0, -84.0, 17.5}, 7.0, {0.0, -90.0, 15.5}, 7.0}.distance_mm(p),
-                   10.0);                              // larynx
-  return smooth_intersection(d, -105.0 - p.y(), 8.0);  // the base
+                   10.0);                               // larynx
+  return smooth_intersection(d, -105.0 - p.y(), 16.0);  // the base
 }
 
 void Bust::model_ear() {
