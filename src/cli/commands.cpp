@@ -1,0 +1,119 @@
+#include "commands.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "config/experiment_spec.h"
+#include "core/error.h"
+#include "core/image_io.h"
+#include "core/parallel.h"
+#include "experiment/metrics_json.h"
+#include "experiment/plan.h"
+#include "experiment/run_experiment.h"
+#include "metrics/flip.h"
+#include "methods/method.h"
+#include "profile/profile.h"
+#include "report/report.h"
+#include "scene/builtin.h"
+
+namespace truescatter::cli {
+namespace {
+
+void require_same_size(const Image& a, const std::filesystem::path& a_path, const Image& b,
+                       const std::filesystem::path& b_path) {
+  if (a.width() == b.width() && a.height() == b.height()) return;
+  throw_input_error({a_path.string()}, "is {} x {} pixels, but {} is {} x {}; they must agree", a.width(), a.height(),
+                    b_path.string(), b.width(), b.height());
+}
+
+Image read_rgb(const std::filesystem::path& path) {
+  Image image = read_exr_layer(path, "");
+  if (image.channels() < 3) {
+    throw_input_error({path.string()}, "has {} plain channels; R, G, B are needed", image.channels());
+  }
+  for (const float v : image.data()) {
+    if (!std::isfinite(v)) throw_input_error({path.string()}, "holds a value that is not finite");
+  }
+  return image;
+}
+
+void print_stats(const std::string& name, const nlohmann::json& stats) {
+  const auto text = [&](const char* key) {
+    return stats.at(key).is_number() ? fmt::format("{:.6g}", stats.at(key).get<double>()) : std::string("-");
+  };
+  fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", name, text("bias"), text("mae"),
+             text("rmse"), text("rel_rmse"), text("p50"), text("p95"), text("p99"), text("max"));
+}
+
+}  // namespace
+
+int run(const RunArguments& arguments) {
+  const JobLimit limit(arguments.jobs);
+  const ExperimentSpec spec = read_experiment(arguments.experiment, arguments.overrides);
+  if (arguments.dry_run) {
+    fmt::print("{}", describe_plan(spec, make_plan(spec)));
+    return 0;
+  }
+  const std::filesystem::path folder = arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
+  const RunOutcome outcome = run_experiment(spec, folder);
+  write_report(outcome.folder);
+  fmt::print("{}\n", (outcome.folder / "report.html").string());
+  for (const std::string& line : outcome.exceeded) fmt::print(stderr, "exceeded: {}\n", line);
+  return outcome.exceeded.empty() ? 0 : 1;
+}
+
+int compare(const CompareArguments& arguments) {
+  const Image test = read_rgb(arguments.test);
+  const Image truth = read_rgb(arguments.truth);
+  require_same_size(test, arguments.test, truth, arguments.truth);
+  Image mask(truth.width(), truth.height(), 1, 1.0F);
+  if (!arguments.mask.empty()) {
+    mask = read_image(arguments.mask);
+    require_same_size(mask, arguments.mask, truth, arguments.truth);
+  }
+  nlohmann::json stats = error_stats_json(test, truth, mask);
+  put_number(stats, "flip", mean_inside(flip_map(truth, test), mask), "no pixel to measure");
+  if (arguments.json) {
+    fmt::print("{}\n", stats.dump(1));
+    return 0;
+  }
+  fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", "", "bias", "mae", "rmse", "rel_rmse",
+             "p50", "p95", "p99", "max");
+  print_stats("luminance", stats);
+  for (const char* channel : {"r", "g", "b"}) print_stats(channel, stats.at("channels").at(channel));
+  fmt::print("{} pixels; errors are test - truth; FLIP {}\n", stats.at("pixels").dump(), stats.at("flip").dump());
+  return 0;
+}
+
+int report(const std::filesystem::path& folder) {
+  write_report(folder);
+  fmt::print("{}\n", (folder / "report.html").string());
+  return 0;
+}
+
+int list() {
+  fmt::print("methods\n");
+  for (const Method& method : all_methods()) {
+    fmt::print("  {:<18} {} ({}){}\n", method.name, method.title, method.source, method.needs_uvs ? "; needs UVs" : "");
+    for (const SettingSpec& s : method.settings) {
+      if (s.choices.empty()) {
+        fmt::print("      {} = {} in [{}, {}]: {}\n", s.name, s.default_number, s.minimum, s.maximum, s.help);
+      } else {
+        fmt::print("      {} = {}: {}\n", s.name, fmt::join(s.choices, " | "), s.help);
+      }
+    }
+  }
+  fmt::print("profiles\n");
+  for (const Profile& profile : builtin_profiles()) fmt::print("  {:<22} {}\n", profile.name, profile.source);
+  fmt::print("built-in scenes\n");
+  for (const BuiltinScene& scene : builtin_scenes()) {
+    fmt::print("  builtin:{:<10} {}\n", scene.name, scene.summary);
+    for (const BuiltinParameter& p : scene.parameters) {
+      fmt::print("      {} = {} in [{}, {}]: {}\n", p.name, p.default_value, p.minimum, p.maximum, p.help);
+    }
+  }
+  return 0;
+}
+
+}  // namespace truescatter::cli

@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <string>
+
+#include "commands.h"
+#include "core/error.h"
+
+namespace {
+
+using truescatter::cli::CompareArguments;
+using truescatter::cli::RunArguments;
+
+constexpr int kUsageError = 2;
+constexpr int kRunFailed = 3;
+
+int dispatch(int argc, char** argv) {
+  CLI::App app("truescatter: how wrong real-time skin scattering is, where, why, and at what cost", "truescatter");
+  app.require_subcommand(1);
+
+  RunArguments run_arguments;
+  CLI::App* run = app.add_subcommand("run", "Run an experiment and write its report");
+  run->add_option("experiment", run_arguments.experiment, "Experiment file (TOML)")->required();
+  run->add_option("--out", run_arguments.out, "Folder for the results (default: runs/<name>)");
+  run->add_option("--set", run_arguments.overrides, "Override a value: key.key=value (repeatable)")
+      ->take_all()
+      ->type_size(1)
+      ->allow_extra_args(false);
+  run->add_option("--jobs", run_arguments.jobs, "Threads for truth and metrics (default: all cores)")
+      ->check(CLI::Range(1, 4096));
+  run->add_flag("--dry-run", run_arguments.dry_run, "Check the experiment and list what would run");
+
+  CompareArguments compare_arguments;
+  CLI::App* compare = app.add_subcommand("compare", "Measure the error of one picture against another");
+  compare->add_option("test", compare_arguments.test, "Picture to measure (EXR: its plain R, G, B)")->required();
+  compare->add_option("truth", compare_arguments.truth, "Picture to measure against")->required();
+  compare->add_option("--mask", compare_arguments.mask, "Picture that is not 0 where pixels count");
+  compare->add_flag("--json", compare_arguments.json, "Print JSON");
+
+  std::string folder;
+  CLI::App* report = app.add_subcommand("report", "Write a result folder's report again");
+  report->add_option("folder", folder, "Result folder")->required();
+
+  CLI::App* list = app.add_subcommand("list", "List methods, profiles and built-in scenes");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageError;
+  }
+  if (run->parsed()) return truescatter::cli::run(run_arguments);
+  if (compare->parsed()) return truescatter::cli::compare(compare_arguments);
+  if (report->parsed()) return truescatter::cli::report(folder);
+  if (list->parsed()) return truescatter::cli::list();
+  return kUsageError;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return dispatch(argc, argv);
+  } catch (const truescatter::Error& error) {
+    fmt::print(stderr, "truescatter: {}\n", error.what());
+    return error.exit_code();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "truescatter: the run failed: {}\n", error.what());
+    return kRunFailed;
+  }
+}

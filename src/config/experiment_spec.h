@@ -1,0 +1,126 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/error.h"
+#include "core/vec.h"
+
+namespace truescatter {
+
+// An experiment as its file states it, every key checked for type and range. Names of methods, profiles and
+// built-in scenes are resolved by the modules that know them; `where` lets them name the line.
+
+struct SceneSpec {
+  std::string mesh;  // "builtin:NAME", or a file's path (relative to the experiment's file)
+  SourceLocation mesh_where;
+  std::map<std::string, double> parameters;  // of a built-in scene
+  SourceLocation parameters_where;
+  double unit_mm = 1.0;
+  std::string normals = "automatic";  // automatic | file | angle-weighted
+  int loop_subdivisions = 0;
+  std::string skin_mask;  // path of a UV texture; empty: all is skin
+  SourceLocation skin_mask_where;
+  std::string obtain;  // where the data can be had; told when a file is missing
+};
+
+struct LightSpec {
+  std::string type = "directional";  // directional | point
+  Vec3d direction = Vec3d::UnitZ();  // directional: towards the light, unit length
+  Vec3d position_mm = Vec3d::Zero();
+  double reference_mm = 1000.0;  // point: where its irradiance is `color`
+  Vec3d color = Vec3d::Ones();
+  bool shadows = true;
+};
+
+struct ShadingSpec {
+  double tolerance = 0.02;  // of the largest irradiance
+  double floor_mm = 0.4;
+};
+
+struct ViewSpec {
+  std::string name;
+  Vec3d eye_mm = Vec3d::Zero();
+  Vec3d target_mm = Vec3d::Zero();
+  Vec3d up = Vec3d::UnitY();
+  double fov_deg = 30.0;
+  int width_px = 640;
+  int height_px = 640;
+};
+
+// A profile by its built-in name, or spelled out.
+struct ProfileSpec {
+  std::string name;
+  SourceLocation where;
+  bool builtin = true;
+  Vec3d delta_weight = Vec3d::Zero();
+  struct Gaussian {
+    Vec3d variance_mm2;
+    Vec3d weight;
+  };
+  std::vector<Gaussian> gaussians;
+  double r_max_mm = 0.0;
+};
+
+struct MethodSpec {
+  std::string name;
+  std::string label;  // distinguishes two settings of one method; the name if not given
+  SourceLocation where;
+  std::map<std::string, std::variant<double, std::string>> settings;
+  std::map<std::string, SourceLocation> settings_where;
+};
+
+struct TruthSpec {
+  double tolerance = 1e-4;  // of the largest irradiance
+  int audit_points = 256;
+  std::uint64_t seed = 1;
+};
+
+struct TimingSpec {
+  int warm_up = 1;
+  int repeats = 3;
+};
+
+// A bound on a headline metric; exceeding it ends the run with exit code 1.
+struct ThresholdSpec {
+  std::string method;  // a method's label
+  std::string metric;  // bias, mae, rmse, rel_rmse, p50, p95, p99, max
+  double maximum = 0.0;
+  SourceLocation where;
+};
+
+struct ExperimentSpec {
+  std::filesystem::path file;
+  std::string name;
+  std::string question;
+  std::string expectation;
+  std::string source;
+  SceneSpec scene;
+  std::vector<LightSpec> lights;
+  ShadingSpec shading;
+  std::vector<ViewSpec> views;
+  std::vector<ProfileSpec> profiles;
+  std::vector<MethodSpec> methods;
+  TruthSpec truth;
+  TimingSpec timing;
+  std::vector<ThresholdSpec> thresholds;
+};
+
+// Reads an experiment file and applies overrides "a.b=c" (an entry of an array is named by its `name` or its
+// index). Throws Error (input) with file, line, column, the underlined value and the rule: syntax, unknown
+// key, wrong type, out of range, missing key.
+ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+// The experiment as TOML with every default written out; reading it gives the same experiment.
+std::string to_toml(const ExperimentSpec& spec);
+
+// A path of the experiment: environment variables expanded, then relative to the experiment's file. A variable
+// that is not set, or a file that is not there, is an Error (input) that repeats `obtain`.
+std::filesystem::path resolve_path(const ExperimentSpec& spec, const std::string& path, const SourceLocation& where);
+
+}  // namespace truescatter

@@ -1,0 +1,360 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include "config/experiment_spec.h"
+#include "config/toml_reader.h"
+#include "core/file.h"
+
+namespace truescatter {
+namespace {
+
+constexpr double kHuge = std::numeric_limits<double>::max();
+
+SceneSpec read_scene(TomlTable table) {
+  SceneSpec scene;
+  scene.mesh = table.text("mesh");
+  scene.mesh_where = table.where("mesh");
+  TomlTable parameters = table.table("parameters");
+  scene.parameters_where = parameters.where();
+  for (const std::string& key : parameters.keys()) scene.parameters[key] = parameters.number(key, -kHuge, kHuge);
+  scene.unit_mm = table.number("unit_mm", 1.0, 1e-9, 1e9);
+  scene.normals = table.one_of("normals", "automatic", {"automatic", "file", "angle-weighted"});
+  scene.loop_subdivisions = table.whole("loop_subdivisions", 0, 0, 6);
+  scene.skin_mask = table.text("skin_mask", "");
+  scene.skin_mask_where = table.where("skin_mask");
+  scene.obtain = table.text("obtain", "");
+  if (scene.mesh.starts_with("builtin:")) {
+    for (const char* key : {"unit_mm", "normals", "loop_subdivisions"}) {
+      if (table.has(key)) table.fail(key, fmt::format("'scene.{}' is for mesh files; a built-in scene has none", key));
+    }
+  } else if (!scene.parameters.empty()) {
+    table.fail("parameters", "'scene.parameters' is for built-in scenes; a mesh file has none");
+  }
+  table.finish();
+  return scene;
+}
+
+LightSpec read_light(TomlTable table) {
+  LightSpec light;
+  light.type = table.one_of("type", "directional", {"directional", "point"});
+  if (light.type == "directional") {
+    light.direction = table.vec3("direction");
+    if (!(light.direction.norm() > 0.0)) table.fail("direction", "'light.direction' must not be zero");
+    light.direction.normalize();
+  } else {
+    light.position_mm = table.vec3("position_mm");
+    light.reference_mm = table.number("reference_mm", 1000.0, 1e-6, 1e9);
+  }
+  light.color = table.rgb("color", Vec3d::Ones());
+  if (light.color.minCoeff() < 0.0) table.fail("color", "'light.color' must not be negative");
+  light.shadows = table.flag("shadows", true);
+  table.finish();
+  return light;
+}
+
+ShadingSpec read_shading(TomlTable table) {
+  ShadingSpec shading;
+  shading.tolerance = table.number("tolerance", shading.tolerance, 1e-6, 1.0);
+  shading.floor_mm = table.number("floor_mm", shading.floor_mm, 1e-4, 1e6);
+  table.finish();
+  return shading;
+}
+
+ViewSpec read_view(TomlTable table) {
+  ViewSpec view;
+  view.name = table.text("name");
+  const bool plain = !view.name.empty() && std::all_of(view.name.begin(), view.name.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
+  });
+  if (!plain) table.fail("name", "'view.name' names files: letters, digits, '-' and '_' only");
+  view.eye_mm = table.vec3("eye_mm");
+  view.target_mm = table.vec3("target_mm", view.target_mm);
+  view.up = table.vec3("up", view.up);
+  const Vec3d forward = view.target_mm - view.eye_mm;
+  if (!(forward.norm() > 0.0)) table.fail("eye_mm", "'view.eye_mm' and 'view.target_mm' are the same point");
+  if (!(forward.cross(view.up).norm() > 1e-9 * forward.norm() * view.up.norm())) {
+    table.fail(table.has("up") ? "up" : "eye_mm", "'view.up' is parallel to the viewing direction");
+  }
+  view.fov_deg = table.number("fov_deg", view.fov_deg, 0.01, 170.0);
+  view.width_px = table.whole("width_px", view.width_px, 1, 16384);
+  view.height_px = table.whole("height_px", view.height_px, 1, 16384);
+  table.finish();
+  return view;
+}
+
+ProfileSpec read_profile(TomlTable table) {
+  ProfileSpec profile;
+  profile.name = table.text("name");
+  profile.where = table.where("name");
+  profile.builtin = !table.has("gaussian");
+  if (profile.builtin) {
+    table.finish();
+    return profile;
+  }
+  profile.delta_weight = table.rgb("delta_weight", Vec3d::Zero());
+  for (TomlTable& entry : table.tables("gaussian")) {
+    ProfileSpec::Gaussian gaussian;
+    gaussian.variance_mm2 = entry.rgb("variance_mm2", Vec3d::Zero());
+    gaussian.weight = entry.rgb("weight", Vec3d::Zero());
+    if (gaussian.variance_mm2.minCoeff() <= 0.0) {
+      entry.fail("variance_mm2", "'profile.gaussian.variance_mm2' must be positive");
+    }
+    entry.finish();
+    profile.gaussians.push_back(gaussian);
+  }
+  if (profile.gaussians.empty()) table.fail("gaussian", "a profile needs at least one [[profile.gaussian]]");
+  std::stable_sort(profile.gaussians.begin(), profile.gaussians.end(), [](const auto& a, const auto& b) {
+    return a.variance_mm2.x() < b.variance_mm2.x();
+  });
+  double widest_mm2 = 0.0;
+  for (const auto& gaussian : profile.gaussians) widest_mm2 = std::max(widest_mm2, gaussian.variance_mm2.maxCoeff());
+  profile.r_max_mm = table.number("r_max_mm", 3.0 * std::sqrt(widest_mm2), 1e-6, 1e6);
+  table.finish();
+  return profile;
+}
+
+MethodSpec read_method(TomlTable table) {
+  MethodSpec method;
+  method.name = table.text("name");
+  method.where = table.where("name");
+  method.label = table.text("label", method.name);
+  TomlTable settings = table.table("settings");
+  for (const std::string& key : settings.keys()) {
+    const toml::value& value = settings.raw(key);
+    method.settings_where[key] = TomlTable::location_of(value);
+    if (value.is_string()) {
+      method.settings[key] = value.as_string().str;
+    } else {
+      method.settings[key] = settings.number(key, -kHuge, kHuge);
+    }
+  }
+  table.finish();
+  return method;
+}
+
+TruthSpec read_truth(TomlTable table) {
+  TruthSpec truth;
+  truth.tolerance = table.number("tolerance", truth.tolerance, 1e-9, 1e-2);
+  truth.audit_points = table.whole("audit_points", truth.audit_points, 256, 1000000);
+  truth.seed = static_cast<std::uint64_t>(table.whole("seed", 1, 0, 2147483647));
+  table.finish();
+  return truth;
+}
+
+TimingSpec read_timing(TomlTable table) {
+  TimingSpec timing;
+  timing.warm_up = table.whole("warm_up", timing.warm_up, 0, 1000);
+  timing.repeats = table.whole("repeats", timing.repeats, 1, 10000);
+  table.finish();
+  return timing;
+}
+
+ThresholdSpec read_threshold(TomlTable table) {
+  ThresholdSpec threshold;
+  threshold.where = table.where();
+  threshold.method = table.text("method");
+  threshold.metric = table.one_of("metric", "rmse", {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max"});
+  threshold.maximum = table.number("maximum", 0.0, kHuge);
+  table.finish();
+  return threshold;
+}
+
+// "a.b=c": walks the tree, into arrays by index or by an entry's name, and sets the value.
+void apply_override(toml::value& root, const std::string& text) {
+  const SourceLocation where{"--set " + text};
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) throw_input_error(where, "must have the form key.key=value");
+  std::vector<std::string> path;
+  std::stringstream stream(text.substr(0, equals));
+  for (std::string part; std::getline(stream, part, '.');) path.push_back(part);
+
+  const std::string literal = text.substr(equals + 1);
+  toml::value parsed;
+  std::istringstream as_toml("value = " + literal);
+  try {
+    parsed = toml::parse(as_toml, "--set " + text).at("value");
+  } catch (const toml::syntax_error&) {
+    // Not TOML: a bare word is a string, which spares the quotes inside quotes on a shell's command line.
+    parsed = toml::value(literal);
+  }
+
+  toml::value* at = &root;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const std::string& key = path[i];
+    if (at->is_array()) {
+      auto& entries = at->as_array();
+      const bool index = !key.empty() && std::all_of(key.begin(), key.end(), [](char c) { return c >= '0' && c <= '9'; });
+      toml::value* found = nullptr;
+      if (index && key.size() < 9 && std::stoul(key) < entries.size()) found = &entries[std::stoul(key)];
+      for (toml::value& entry : entries) {
+        if (found == nullptr && entry.is_table() && entry.contains("name") && entry.at("name").is_string() &&
+            entry.at("name").as_string().str == key) {
+          found = &entry;
+        }
+      }
+      if (found == nullptr) throw_input_error(where, "'{}' names no entry of this array ({} entries)", key, entries.size());
+      at = found;
+    } else {
+      if (!at->is_table()) throw_input_error(where, "'{}' is below a value that is not a table", key);
+      if (!at->contains(key)) at->as_table()[key] = toml::table{};
+      at = &at->as_table()[key];
+    }
+  }
+  *at = parsed;
+}
+
+ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
+  ExperimentSpec spec;
+  spec.file = file;
+  spec.name = root.text("name", file.stem().string());
+  spec.question = root.text("question", "");
+  spec.expectation = root.text("expectation", "");
+  spec.source = root.text("source", "");
+  if (!root.has("scene")) root.fail("scene", "'scene' is missing: an experiment needs a [scene]");
+  spec.scene = read_scene(root.table("scene"));
+  for (const TomlTable& table : root.tables("light")) spec.lights.push_back(read_light(table));
+  if (spec.lights.empty()) root.fail("light", "'light' is missing: an experiment needs at least one [[light]]");
+  spec.shading = read_shading(root.table("shading"));
+  for (const TomlTable& table : root.tables("view")) spec.views.push_back(read_view(table));
+  if (spec.views.empty()) root.fail("view", "'view' is missing: an experiment needs at least one [[view]]");
+  for (const TomlTable& table : root.tables("profile")) spec.profiles.push_back(read_profile(table));
+  if (spec.profiles.empty()) root.fail("profile", "'profile' is missing: an experiment needs at least one [[profile]]");
+  for (const TomlTable& table : root.tables("method")) spec.methods.push_back(read_method(table));
+  if (spec.methods.empty()) root.fail("method", "'method' is missing: an experiment needs at least one [[method]]");
+  spec.truth = read_truth(root.table("truth"));
+  spec.timing = read_timing(root.table("timing"));
+  for (const TomlTable& table : root.tables("threshold")) spec.thresholds.push_back(read_threshold(table));
+
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < spec.views.size(); ++i) {
+    if (!seen.insert(spec.views[i].name).second) {
+      root.fail("view", fmt::format("two views are named '{}'", spec.views[i].name));
+    }
+  }
+  seen.clear();
+  for (const ProfileSpec& profile : spec.profiles) {
+    if (!seen.insert(profile.name).second) root.fail("profile", fmt::format("two profiles are named '{}'", profile.name));
+  }
+  seen.clear();
+  for (const MethodSpec& method : spec.methods) {
+    if (!seen.insert(method.label).second) {
+      root.fail("method", fmt::format("two methods have the label '{}'; give them different 'label's", method.label));
+    }
+  }
+  for (const ThresholdSpec& threshold : spec.thresholds) {
+    if (seen.count(threshold.method) == 0) {
+      throw_input_error(threshold.where, "'threshold.method' is \"{}\", which is no method of this experiment",
+                        threshold.method);
+    }
+  }
+  root.finish();
+  return spec;
+}
+
+toml::value array_of(const Vec3d& v) { return toml::array{v.x(), v.y(), v.z()}; }
+
+std::string line(const std::string& key, const toml::value& value) {
+  std::ostringstream stream;
+  stream.precision(17);
+  stream << key << " = " << value << "\n";
+  return stream.str();
+}
+
+std::string method_toml(const MethodSpec& method) {
+  std::string text = "\n[[method]]\n" + line("name", method.name) + line("label", method.label);
+  if (method.settings.empty()) return text;
+  text += "[method.settings]\n";
+  for (const auto& [key, value] : method.settings) {
+    std::visit([&, k = key](const auto& v) { text += line(k, v); }, value);
+  }
+  return text;
+}
+
+std::string profile_toml(const ProfileSpec& profile) {
+  std::string text = "\n[[profile]]\n" + line("name", profile.name);
+  if (profile.builtin) return text;
+  text += line("delta_weight", array_of(profile.delta_weight)) + line("r_max_mm", profile.r_max_mm);
+  for (const auto& gaussian : profile.gaussians) {
+    text += "[[profile.gaussian]]\n" + line("variance_mm2", array_of(gaussian.variance_mm2)) +
+            line("weight", array_of(gaussian.weight));
+  }
+  return text;
+}
+
+std::string scene_toml(const ExperimentSpec& spec) {
+  const SceneSpec& scene = spec.scene;
+  const auto portable = [&](const std::string& path) {
+    const bool keep = path.empty() || path.starts_with("builtin:") || path.find("${") != std::string::npos ||
+                      std::filesystem::path(path).is_absolute();
+    return keep ? path : std::filesystem::absolute(spec.file.parent_path() / path).lexically_normal().string();
+  };
+  std::string text = "\n[scene]\n" + line("mesh", portable(scene.mesh));
+  if (!scene.mesh.starts_with("builtin:")) {
+    text += line("unit_mm", scene.unit_mm) + line("normals", scene.normals) +
+            line("loop_subdivisions", scene.loop_subdivisions);
+  }
+  if (!scene.skin_mask.empty()) text += line("skin_mask", portable(scene.skin_mask));
+  if (!scene.obtain.empty()) text += line("obtain", scene.obtain);
+  if (!scene.parameters.empty()) text += "[scene.parameters]\n";
+  for (const auto& [key, value] : scene.parameters) text += line(key, value);
+  return text;
+}
+
+std::string light_toml(const LightSpec& light) {
+  std::string text = "\n[[light]]\n" + line("type", light.type);
+  if (light.type == "directional") {
+    text += line("direction", array_of(light.direction));
+  } else {
+    text += line("position_mm", array_of(light.position_mm)) + line("reference_mm", light.reference_mm);
+  }
+  return text + line("color", array_of(light.color)) + line("shadows", light.shadows);
+}
+
+std::string view_toml(const ViewSpec& view) {
+  return "\n[[view]]\n" + line("name", view.name) + line("eye_mm", array_of(view.eye_mm)) +
+         line("target_mm", array_of(view.target_mm)) + line("up", array_of(view.up)) + line("fov_deg", view.fov_deg) +
+         line("width_px", view.width_px) + line("height_px", view.height_px);
+}
+
+}  // namespace
+
+ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  const std::string text = read_text_file(file);
+  toml::value root;
+  try {
+    std::istringstream stream(text);
+    root = toml::parse(stream, file.string());
+  } catch (const toml::exception& error) {
+    const toml::source_location where = error.location();
+    throw Error(ErrorKind::input,
+                {file.string(), static_cast<int>(where.line()), static_cast<int>(where.column())},
+                fmt::format("not valid TOML: {}", error.what()));
+  }
+  for (const std::string& override_text : overrides) apply_override(root, override_text);
+  return read_root(TomlTable(root, ""), file);
+}
+
+std::string to_toml(const ExperimentSpec& spec) {
+  std::string text = "# Every default written out; running this file repeats the run.\n";
+  text += line("name", spec.name) + line("question", spec.question) + line("expectation", spec.expectation) +
+          line("source", spec.source);
+  text += scene_toml(spec);
+  for (const LightSpec& light : spec.lights) text += light_toml(light);
+  text += "\n[shading]\n" + line("tolerance", spec.shading.tolerance) + line("floor_mm", spec.shading.floor_mm);
+  for (const ViewSpec& view : spec.views) text += view_toml(view);
+  for (const ProfileSpec& profile : spec.profiles) text += profile_toml(profile);
+  for (const MethodSpec& method : spec.methods) text += method_toml(method);
+  text += "\n[truth]\n" + line("tolerance", spec.truth.tolerance) + line("audit_points", spec.truth.audit_points) +
+          line("seed", static_cast<std::int64_t>(spec.truth.seed));
+  text += "\n[timing]\n" + line("warm_up", spec.timing.warm_up) + line("repeats", spec.timing.repeats);
+  for (const ThresholdSpec& threshold : spec.thresholds) {
+    text += "\n[[threshold]]\n" + line("method", threshold.method) + line("metric", threshold.metric) +
+            line("maximum", threshold.maximum);
+  }
+  return text;
+}
+
+}  // namespace truescatter

@@ -1,0 +1,189 @@
+#include "config/toml_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace truescatter {
+namespace {
+
+const toml::value& empty_table() {
+  static const toml::value table = toml::table{};
+  return table;
+}
+
+double as_number(const toml::value& value, const std::string& name) {
+  double number = std::nan("");
+  if (value.is_integer()) {
+    number = static_cast<double>(value.as_integer());
+  } else if (value.is_floating()) {
+    number = value.as_floating();
+  } else {
+    fail_at(value, fmt::format("'{}' must be a number", name));
+  }
+  if (!std::isfinite(number)) fail_at(value, fmt::format("'{}' must be finite", name));
+  return number;
+}
+
+Vec3d as_vec3(const toml::value& value, const std::string& name) {
+  if (!value.is_array() || value.as_array().size() != 3) {
+    fail_at(value, fmt::format("'{}' must be an array of three numbers", name));
+  }
+  Vec3d v;
+  for (std::size_t i = 0; i < 3; ++i) v[static_cast<Eigen::Index>(i)] = as_number(value.as_array()[i], name);
+  return v;
+}
+
+}  // namespace
+
+void fail_at(const toml::value& value, const std::string& message) {
+  const SourceLocation where = TomlTable::location_of(value);
+  std::string text = message;
+  if (where.line > 0) {
+    const toml::source_location location = value.location();
+    const std::string number = fmt::format("{}", where.line);
+    text += fmt::format("\n {} | {}\n {} | {}{}", number, location.line_str(), std::string(number.size(), ' '),
+                        std::string(static_cast<std::size_t>(std::max(0, where.column - 1)), ' '),
+                        "^" + std::string(std::max<std::size_t>(1, location.region()) - 1, '~'));
+  }
+  throw Error(ErrorKind::input, where, text);
+}
+
+TomlTable::TomlTable(const toml::value& value, std::string path) : value_(&value), path_(std::move(path)) {
+  if (!value.is_table()) fail_at(value, fmt::format("'{}' must be a table", path_));
+}
+
+SourceLocation TomlTable::location_of(const toml::value& value) {
+  const toml::source_location location = value.location();
+  // A value that has no place in a file (an absent table, a command line's override) has line 0 or no name.
+  if (location.file_name() == "unknown file") return {};
+  return {location.file_name(), static_cast<int>(location.line()), static_cast<int>(location.column())};
+}
+
+SourceLocation TomlTable::where(const std::string& key) const {
+  const auto& table = value_->as_table();
+  const auto at = table.find(key);
+  return at != table.end() ? location_of(at->second) : location_of(*value_);
+}
+
+std::string TomlTable::full_name(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+
+const toml::value* TomlTable::find(const std::string& key) {
+  known_.insert(key);
+  const auto& table = value_->as_table();
+  const auto at = table.find(key);
+  return at != table.end() ? &at->second : nullptr;
+}
+
+bool TomlTable::has(const std::string& key) const { return value_->as_table().count(key) > 0; }
+
+void TomlTable::fail(const std::string& key, const std::string& message) const {
+  const auto& table = value_->as_table();
+  const auto at = table.find(key);
+  fail_at(at != table.end() ? at->second : *value_, message);
+}
+
+void TomlTable::fail_missing(const std::string& key) const {
+  fail_at(*value_, fmt::format("'{}' is missing", full_name(key)));
+}
+
+std::string TomlTable::text(const std::string& key) {
+  const toml::value* value = find(key);
+  if (value == nullptr) fail_missing(key);
+  if (!value->is_string()) fail_at(*value, fmt::format("'{}' must be a string", full_name(key)));
+  return value->as_string().str;
+}
+
+std::string TomlTable::text(const std::string& key, const std::string& fallback) {
+  return find(key) == nullptr ? fallback : text(key);
+}
+
+std::string TomlTable::one_of(const std::string& key, const std::string& fallback,
+                              const std::vector<std::string>& allowed) {
+  const std::string word = text(key, fallback);
+  if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) {
+    fail(key, fmt::format("'{}' is \"{}\"; it must be one of: {}", full_name(key), word, fmt::join(allowed, ", ")));
+  }
+  return word;
+}
+
+double TomlTable::number(const std::string& key, double minimum, double maximum) {
+  const toml::value* value = find(key);
+  if (value == nullptr) fail_missing(key);
+  const double number = as_number(*value, full_name(key));
+  if (!(number >= minimum && number <= maximum)) {
+    fail_at(*value, fmt::format("'{}' is {}; it must lie in [{}, {}]", full_name(key), number, minimum, maximum));
+  }
+  return number;
+}
+
+double TomlTable::number(const std::string& key, double fallback, double minimum, double maximum) {
+  return find(key) == nullptr ? fallback : number(key, minimum, maximum);
+}
+
+int TomlTable::whole(const std::string& key, int fallback, int minimum, int maximum) {
+  const double value = number(key, fallback, minimum, maximum);
+  if (value != std::floor(value)) fail(key, fmt::format("'{}' is {}; it must be a whole number", full_name(key), value));
+  return static_cast<int>(value);
+}
+
+bool TomlTable::flag(const std::string& key, bool fallback) {
+  const toml::value* value = find(key);
+  if (value == nullptr) return fallback;
+  if (!value->is_boolean()) fail_at(*value, fmt::format("'{}' must be true or false", full_name(key)));
+  return value->as_boolean();
+}
+
+Vec3d TomlTable::vec3(const std::string& key) {
+  const toml::value* value = find(key);
+  if (value == nullptr) fail_missing(key);
+  return as_vec3(*value, full_name(key));
+}
+
+Vec3d TomlTable::vec3(const std::string& key, const Vec3d& fallback) {
+  return find(key) == nullptr ? fallback : vec3(key);
+}
+
+Vec3d TomlTable::rgb(const std::string& key, const Vec3d& fallback) {
+  const toml::value* value = find(key);
+  if (value == nullptr) return fallback;
+  if (value->is_array()) return as_vec3(*value, full_name(key));
+  return Vec3d::Constant(as_number(*value, full_name(key)));
+}
+
+TomlTable TomlTable::table(const std::string& key) {
+  const toml::value* value = find(key);
+  return {value != nullptr ? *value : empty_table(), full_name(key)};
+}
+
+std::vector<TomlTable> TomlTable::tables(const std::string& key) {
+  const toml::value* value = find(key);
+  std::vector<TomlTable> result;
+  if (value == nullptr) return result;
+  if (!value->is_array()) fail_at(*value, fmt::format("'{0}' must be an array of tables ([[{0}]])", full_name(key)));
+  for (const toml::value& entry : value->as_array()) result.emplace_back(entry, full_name(key));
+  return result;
+}
+
+const toml::value& TomlTable::raw(const std::string& key) {
+  const toml::value* value = find(key);
+  if (value == nullptr) fail_missing(key);
+  return *value;
+}
+
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> names;
+  for (const auto& entry : value_->as_table()) names.push_back(entry.first);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void TomlTable::finish() const {
+  for (const std::string& key : keys()) {
+    if (known_.count(key) == 0) {
+      fail(key, fmt::format("unknown key '{}'; known here: {}", full_name(key), fmt::join(known_, ", ")));
+    }
+  }
+}
+
+}  // namespace truescatter

@@ -1,0 +1,92 @@
+#include "experiment/metrics_json.h"
+
+#include <cmath>
+
+#include "metrics/error_stats.h"
+#include "metrics/flip.h"
+
+namespace truescatter {
+namespace {
+
+using nlohmann::json;
+
+void put_error_stats(json& object, const ErrorStats& stats) {
+  const std::string empty = "no pixel to measure";
+  object["pixels"] = stats.pixels;
+  put_number(object, "bias", stats.bias, empty);
+  put_number(object, "mae", stats.mae, empty);
+  put_number(object, "rmse", stats.rmse, empty);
+  put_number(object, "rel_rmse", stats.rel_rmse, stats.pixels == 0 ? empty : "the truth is 0 at every pixel");
+  put_number(object, "p50", stats.p50, empty);
+  put_number(object, "p95", stats.p95, empty);
+  put_number(object, "p99", stats.p99, empty);
+  put_number(object, "max", stats.max, empty);
+}
+
+json halo_json(const Halo& halo, bool with_profile) {
+  const std::string none = "no silhouette of this kind with light beside it";
+  json object;
+  object["pixels"] = halo.pixels;
+  put_number(object, "peak", halo.peak, none);
+  put_number(object, "width_mm", halo.width_mm,
+             std::isfinite(halo.peak) ? "the error stays above 1 % up to 6 s" : none);
+  put_number(object, "energy", halo.energy, none);
+  put_number(object, "contrast", halo.contrast,
+             std::isfinite(halo.energy) ? "no error, or no pixel, beyond 6 s" : none);
+  if (!with_profile) return object;
+  json errors = json::array();
+  for (const double e : halo.profile.relative_error) errors.push_back(std::isfinite(e) ? json(e) : json());
+  object["profile"] = {
+      {"bin_mm", halo.profile.bin_mm}, {"relative_error", errors}, {"pixels", halo.profile.pixels}};
+  return object;
+}
+
+json all_halos_json(const Image& test, const MetricInputs& in, Quantity quantity) {
+  const auto measure = [&](HaloSide side) {
+    return halo_json(measure_halo(test, in.truth, in.mask, in.contours, in.widest_std_dev_mm, in.mm_per_px, quantity, side),
+                     true);
+  };
+  json halo = measure(HaloSide::all);
+  halo["outer"] = {{"near", measure(HaloSide::outer)}};
+  halo["inner"] = {{"near", measure(HaloSide::inner_near)}, {"far", measure(HaloSide::inner_far)}};
+  return halo;
+}
+
+Image exposed(const Image& image, double exposure) {
+  Image result = image;
+  for (float& v : result.data()) v *= static_cast<float>(exposure);
+  return result;
+}
+
+}  // namespace
+
+void put_number(json& object, const std::string& key, double value, const std::string& reason) {
+  if (std::isfinite(value)) {
+    object[key] = value;
+  } else {
+    object[key] = nullptr;
+    object[key + "_reason"] = reason;
+  }
+}
+
+json error_stats_json(const Image& test, const Image& truth, const Image& mask) {
+  json metrics;
+  put_error_stats(metrics, error_stats(test, truth, mask, Quantity::luminance));
+  for (const Quantity quantity : {Quantity::red, Quantity::green, Quantity::blue}) {
+    put_error_stats(metrics["channels"][std::string(name_of(quantity))], error_stats(test, truth, mask, quantity));
+  }
+  return metrics;
+}
+
+json metrics_json(const Image& test, const MetricInputs& inputs) {
+  json metrics = error_stats_json(test, inputs.truth, inputs.mask);
+  metrics["halo"] = all_halos_json(test, inputs, Quantity::luminance);
+  for (const Quantity quantity : {Quantity::red, Quantity::green, Quantity::blue}) {
+    metrics["channels"][std::string(name_of(quantity))]["halo"] = all_halos_json(test, inputs, quantity);
+  }
+  const Image flip = flip_map(exposed(inputs.truth, inputs.exposure), exposed(test, inputs.exposure));
+  put_number(metrics, "flip", mean_inside(flip, inputs.mask), "no pixel to measure");
+  return metrics;
+}
+
+}  // namespace truescatter

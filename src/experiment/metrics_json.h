@@ -1,0 +1,31 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/image.h"
+#include "metrics/contours.h"
+#include "metrics/halo.h"
+
+namespace truescatter {
+
+// Sets object[key], or null and object[key + "_reason"] where the value is not finite: NaN never reaches a JSON.
+void put_number(nlohmann::json& object, const std::string& key, double value, const std::string& reason);
+
+// What a picture is measured against.
+struct MetricInputs {
+  const Image& truth;
+  const Image& mask;  // the pixels that count
+  const ContourMap& contours;
+  double widest_std_dev_mm;
+  double mm_per_px;
+  double exposure;  // for FLIP: what turns the brightest irradiance into the display's white
+};
+
+// The `metrics` object of results.json: luminance at the top, r, g, b under `channels` (DESIGN section 4).
+nlohmann::json metrics_json(const Image& test, const MetricInputs& inputs);
+
+// The error statistics alone: what `compare` prints, and what own targets carry.
+nlohmann::json error_stats_json(const Image& test, const Image& truth, const Image& mask);
+
+}  // namespace truescatter

@@ -1,0 +1,94 @@
+#include "experiment/scene_setup.h"
+
+#include <cmath>
+
+#include "core/image_io.h"
+#include "core/progress.h"
+#include "scene/builtin.h"
+
+namespace truescatter {
+namespace {
+
+constexpr std::string_view kBuiltinPrefix = "builtin:";
+constexpr std::size_t kResidualSamples = 20000;
+
+Mesh load_scene_mesh(const ExperimentSpec& spec) {
+  const SceneSpec& scene = spec.scene;
+  if (scene.mesh.starts_with(kBuiltinPrefix)) {
+    const BuiltinParameters parameters(scene.parameters.begin(), scene.parameters.end());
+    try {
+      return make_builtin(scene.mesh.substr(kBuiltinPrefix.size()), parameters);
+    } catch (const Error& error) {
+      throw Error(error.kind(), scene.parameters.empty() ? scene.mesh_where : scene.parameters_where, error.what());
+    }
+  }
+  LoadOptions options;
+  options.unit_mm = scene.unit_mm;
+  options.loop_subdivisions = scene.loop_subdivisions;
+  if (scene.normals == "file") options.normals = NormalSource::file;
+  if (scene.normals == "angle-weighted") options.normals = NormalSource::angle_weighted;
+  return load_mesh(resolve_path(spec, scene.mesh, scene.mesh_where), options);
+}
+
+Light light_of(const LightSpec& spec) {
+  Light light;
+  light.kind = spec.type == "point" ? LightKind::point : LightKind::directional;
+  light.direction = spec.direction;
+  light.position_mm = spec.position_mm;
+  light.reference_mm = spec.reference_mm;
+  light.color = spec.color;
+  light.shadows = spec.shadows;
+  return light;
+}
+
+SkinMask load_mask(const ExperimentSpec& spec, const Mesh& mesh) {
+  if (spec.scene.skin_mask.empty()) return {};
+  if (!mesh.has_uvs()) {
+    throw_input_error(spec.scene.skin_mask_where, "'scene.skin_mask' is a texture in UV, but {} has no UVs",
+                      spec.scene.mesh);
+  }
+  return SkinMask(read_image(resolve_path(spec, spec.scene.skin_mask, spec.scene.skin_mask_where)));
+}
+
+}  // namespace
+
+PreparedScene prepare_scene(const ExperimentSpec& spec) {
+  const Progress progress("scene", 1);
+  PreparedScene scene;
+  scene.mesh = load_scene_mesh(spec);
+  if (scene.mesh.has_uvs()) scene.uvs = inspect_uvs(scene.mesh);
+  const SkinMask mask = load_mask(spec, scene.mesh);
+  std::vector<Light> lights;
+  for (const LightSpec& light : spec.lights) lights.push_back(light_of(light));
+  const Lighting lighting(scene.mesh, lights);
+  scene.shading =
+      make_shading_mesh(scene.mesh, lighting, mask, {spec.shading.tolerance, spec.shading.floor_mm});
+  scene.shading.residual = measure_residual(scene.shading, lighting, kResidualSamples, spec.truth.seed);
+  for (const ShadingTriangle& triangle : scene.shading.triangles) {
+    if (!triangle.skin) continue;
+    for (const Vec3d& value : triangle.irradiance) {
+      scene.largest_irradiance = std::max(scene.largest_irradiance, value.maxCoeff());
+    }
+  }
+  if (!(scene.largest_irradiance > 0.0)) {
+    throw_input_error({spec.file.string()}, "no light reaches the skin: every irradiance is 0");
+  }
+  return scene;
+}
+
+Camera camera_of(const ViewSpec& view) {
+  return {view.eye_mm, view.target_mm, view.up, view.fov_deg, view.width_px, view.height_px};
+}
+
+Surface skin_surface(const ShadingMesh& shading) {
+  Surface surface;
+  for (const ShadingTriangle& triangle : shading.triangles) {
+    if (!triangle.skin) continue;
+    surface.triangles.push_back({{shading.corner(triangle, 0), shading.corner(triangle, 1), shading.corner(triangle, 2)},
+                                 triangle.irradiance,
+                                 triangle.component});
+  }
+  return surface;
+}
+
+}  // namespace truescatter

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+
+#include "config/experiment_spec.h"
+#include "irradiance/shading_mesh.h"
+#include "scene/camera.h"
+#include "scene/load_mesh.h"
+#include "scene/mesh.h"
+#include "truth/surface.h"
+
+namespace truescatter {
+
+// A scene ready to be rendered and convolved.
+struct PreparedScene {
+  Mesh mesh;
+  ShadingMesh shading;
+  double largest_irradiance = 0.0;  // of the skin's corners: the unit of tolerances
+  std::optional<UvReport> uvs;
+};
+
+// Loads or generates the mesh, lights it and refines it into the shading mesh.
+// Throws Error (input): see load_mesh, make_builtin, resolve_path; a skin mask without UVs; a dark scene.
+PreparedScene prepare_scene(const ExperimentSpec& spec);
+
+Camera camera_of(const ViewSpec& view);
+
+// The skin of a shading mesh as the truth sees it.
+Surface skin_surface(const ShadingMesh& shading);
+
+}  // namespace truescatter

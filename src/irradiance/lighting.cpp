@@ -1,0 +1,86 @@
+#include "irradiance/lighting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace truescatter {
+namespace {
+
+Vec3d lifted_position(const Mesh& mesh, const MeshPoint& point, const Vec3d& position) {
+  Vec3d lift = Vec3d::Zero();
+  for (int c = 0; c < 3; ++c) {
+    const Vec3d& normal = mesh.corner_normals[point.triangle][static_cast<std::size_t>(c)];
+    const double below = std::min(0.0, (position - mesh.corner(point.triangle, c)).dot(normal));
+    lift -= point.barycentric[c] * below * normal;
+  }
+  return position + lift;
+}
+
+double squared_distance_to_mesh(const Mesh& mesh, const Vec3d& position) {
+  double nearest2 = std::numeric_limits<double>::infinity();
+  for (const Vec3d& p : mesh.positions_mm) nearest2 = std::min(nearest2, (p - position).squaredNorm());
+  return nearest2;
+}
+
+}  // namespace
+
+Vec3d position_mm(const Mesh& mesh, const MeshPoint& point) {
+  Vec3d position = Vec3d::Zero();
+  for (int c = 0; c < 3; ++c) position += point.barycentric[c] * mesh.corner(point.triangle, c);
+  return position;
+}
+
+Vec3d interpolated_normal(const Mesh& mesh, const MeshPoint& point) {
+  Vec3d normal = Vec3d::Zero();
+  for (int c = 0; c < 3; ++c) {
+    normal += point.barycentric[c] * mesh.corner_normals[point.triangle][static_cast<std::size_t>(c)];
+  }
+  return normal.normalized();
+}
+
+Lighting::Lighting(const Mesh& mesh, std::vector<Light> lights)
+    : mesh_(mesh), lights_(std::move(lights)), shadows_(mesh) {
+  Vec3d bound = Vec3d::Zero();
+  for (const Light& light : lights_) {
+    double falloff = 1.0;
+    if (light.kind == LightKind::point) {
+      falloff = light.reference_mm * light.reference_mm / squared_distance_to_mesh(mesh, light.position_mm);
+    }
+    bound += falloff * light.color;
+  }
+  largest_possible_ = bound.maxCoeff();
+}
+
+double Lighting::visibility(const Vec3d& origin_mm, const Light& light) const {
+  if (!light.shadows) return 1.0;
+  if (light.kind == LightKind::directional) {
+    return shadows_.occluded(origin_mm, light.direction, std::numeric_limits<double>::infinity()) ? 0.0 : 1.0;
+  }
+  const Vec3d to_light = light.position_mm - origin_mm;
+  const double distance_mm = to_light.norm();
+  return shadows_.occluded(origin_mm, to_light / distance_mm, distance_mm) ? 0.0 : 1.0;
+}
+
+Vec3d Lighting::irradiance(const MeshPoint& point) const {
+  const Vec3d position = position_mm(mesh_, point);
+  const Vec3d normal = interpolated_normal(mesh_, point);
+  const Vec3d origin = lifted_position(mesh_, point, position) + shadows_.offset_mm() * normal;
+  Vec3d sum = Vec3d::Zero();
+  for (const Light& light : lights_) {
+    Vec3d to_light = light.direction;
+    double falloff = 1.0;
+    if (light.kind == LightKind::point) {
+      to_light = light.position_mm - position;
+      falloff = light.reference_mm * light.reference_mm / to_light.squaredNorm();
+      to_light.normalize();
+    }
+    const double cosine = normal.dot(to_light);
+    if (cosine <= 0.0) continue;
+    sum += cosine * falloff * visibility(origin, light) * light.color;
+  }
+  return sum;
+}
+
+}  // namespace truescatter

@@ -1,0 +1,333 @@
+#include "irradiance/refine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include "core/parallel.h"
+
+namespace truescatter {
+namespace {
+
+constexpr int kMaxRounds = 24;
+// Normals that agree to this are one normal: the lighting there is evaluated once and shared, so that the
+// irradiance is continuous across an edge, shadow tests included.
+constexpr double kSameNormal = 1e-9;
+
+// The lighting at a vertex or at an edge's midpoint: one sample for each distinct normal.
+struct Sample {
+  Vec3d normal;
+  MeshPoint point;
+  Vec3d irradiance = Vec3d::Zero();
+};
+using Samples = std::vector<Sample>;
+
+const Sample* find_sample(const Samples& samples, const Vec3d& normal) {
+  for (const Sample& sample : samples) {
+    if ((sample.normal - normal).squaredNorm() < kSameNormal * kSameNormal) return &sample;
+  }
+  return nullptr;
+}
+
+struct Edge {
+  Samples middle;
+  bool refuses_linear = false;  // the lighting at the midpoint, or the mask, asks for a split
+  bool split = false;
+  int midpoint = -1;
+};
+
+std::uint64_t edge_key(int a, int b) {
+  const auto low = static_cast<std::uint64_t>(std::min(a, b));
+  const auto high = static_cast<std::uint64_t>(std::max(a, b));
+  return (high << 32U) | low;
+}
+
+class Refiner {
+ public:
+  Refiner(ShadingMesh& shading, const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
+          const RefinementSettings& settings)
+      : shading_(shading),
+        mesh_(mesh),
+        lighting_(lighting),
+        mask_(mask),
+        floor_mm_(settings.floor_mm),
+        tolerance_(settings.tolerance * lighting.largest_possible()) {}
+
+  void run() {
+    start();
+    for (int round = 0; round < kMaxRounds; ++round) {
+      light_new_edges();
+      if (!mark_edges()) return;
+      close_marks();
+      split_triangles();
+    }
+  }
+
+ private:
+  void start() {
+    shading_.positions_mm = mesh_.positions_mm;
+    vertex_samples_.resize(mesh_.positions_mm.size());
+    std::vector<Sample*> wanted;
+    for (std::size_t t = 0; t < mesh_.triangle_count(); ++t) {
+      ShadingTriangle triangle;
+      triangle.vertices = mesh_.triangles[t];
+      triangle.base = t;
+      for (std::size_t c = 0; c < 3; ++c) {
+        triangle.base_barycentric[c] = Vec3d::Unit(static_cast<Eigen::Index>(c));
+        triangle.normals[c] = mesh_.corner_normals[t][c];
+        triangle.uvs[c] = mesh_.has_uvs() ? (*mesh_.corner_uvs)[t][c] : Vec2d::Zero();
+        Samples& samples = vertex_samples_[static_cast<std::size_t>(triangle.vertices[c])];
+        if (find_sample(samples, triangle.normals[c]) == nullptr) {
+          samples.push_back({triangle.normals[c], {t, triangle.base_barycentric[c]}});
+        }
+      }
+      shading_.triangles.push_back(triangle);
+    }
+    for (Samples& samples : vertex_samples_) {
+      for (Sample& sample : samples) wanted.push_back(&sample);
+    }
+    light(wanted);
+    for (ShadingTriangle& triangle : shading_.triangles) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        triangle.irradiance[c] =
+            find_sample(vertex_samples_[static_cast<std::size_t>(triangle.vertices[c])], triangle.normals[c])->irradiance;
+      }
+    }
+    new_triangles_.resize(shading_.triangles.size());
+    for (std::size_t t = 0; t < new_triangles_.size(); ++t) new_triangles_[t] = t;
+  }
+
+  void light(const std::vector<Sample*>& samples) const {
+    parallel_for(samples.size(), [&](std::size_t i) { samples[i]->irradiance = lighting_.irradiance(samples[i]->point); });
+  }
+
+  double length_mm(int a, int b) const {
+    return (shading_.positions_mm[static_cast<std::size_t>(a)] - shading_.positions_mm[static_cast<std::size_t>(b)]).norm();
+  }
+
+  MeshPoint edge_middle(const ShadingTriangle& triangle, std::size_t c) const {
+    return {triangle.base, 0.5 * (triangle.base_barycentric[c] + triangle.base_barycentric[(c + 1) % 3])};
+  }
+
+  Edge& edge_of(const ShadingTriangle& triangle, std::size_t c) {
+    return edges_[edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3])];
+  }
+
+  bool mask_differs(const ShadingTriangle& triangle, std::size_t c) const {
+    if (mask_.everywhere()) return false;
+    const Vec2d& a = triangle.uvs[c];
+    const Vec2d& b = triangle.uvs[(c + 1) % 3];
+    const bool skin = mask_.is_skin(a);
+    return mask_.is_skin(b) != skin || mask_.is_skin(0.5 * (a + b)) != skin;
+  }
+
+  // Evaluates the lighting at the midpoints of edges that are new, and compares.
+  void light_new_edges() {
+    std::vector<std::pair<std::uint64_t, std::size_t>> wanted;  // edge, index into its samples
+    for (const std::size_t t : new_triangles_) {
+      const ShadingTriangle& triangle = shading_.triangles[t];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const int a = triangle.vertices[c];
+        const int b = triangle.vertices[(c + 1) % 3];
+        if (length_mm(a, b) <= floor_mm_) continue;
+        const MeshPoint middle = edge_middle(triangle, c);
+        const Vec3d normal = interpolated_normal(mesh_, middle);
+        Edge& edge = edge_of(triangle, c);
+        if (find_sample(edge.middle, normal) != nullptr) continue;
+        wanted.emplace_back(edge_key(a, b), edge.middle.size());
+        edge.middle.push_back({normal, middle});
+      }
+    }
+    std::vector<Sample*> samples;
+    for (const auto& [key, index] : wanted) samples.push_back(&edges_[key].middle[index]);
+    light(samples);
+    for (const std::size_t t : new_triangles_) {
+      const ShadingTriangle& triangle = shading_.triangles[t];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto found = edges_.find(edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]));
+        if (found == edges_.end()) continue;
+        const Vec3d normal = interpolated_normal(mesh_, edge_middle(triangle, c));
+        const Sample* sample = find_sample(found->second.middle, normal);
+        if (sample == nullptr) continue;
+        const Vec3d linear = 0.5 * (triangle.irradiance[c] + triangle.irradiance[(c + 1) % 3]);
+        if ((sample->irradiance - linear).cwiseAbs().maxCoeff() > tolerance_ || mask_differs(triangle, c)) {
+          found->second.refuses_linear = true;
+        }
+      }
+    }
+  }
+
+  std::size_t longest_edge(const ShadingTriangle& triangle) const {
+    std::size_t longest = 0;
+    std::pair<double, std::uint64_t> best(-1.0, 0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int a = triangle.vertices[c];
+      const int b = triangle.vertices[(c + 1) % 3];
+      // The key breaks ties alike for both triangles of an edge.
+      const std::pair<double, std::uint64_t> candidate(length_mm(a, b), edge_key(a, b));
+      if (candidate > best) {
+        best = candidate;
+        longest = c;
+      }
+    }
+    return longest;
+  }
+
+  bool centroid_refuses_linear(const ShadingTriangle& triangle) const {
+    const MeshPoint centroid{
+        triangle.base,
+        (triangle.base_barycentric[0] + triangle.base_barycentric[1] + triangle.base_barycentric[2]) / 3.0};
+    const Vec3d linear = (triangle.irradiance[0] + triangle.irradiance[1] + triangle.irradiance[2]) / 3.0;
+    return (lighting_.irradiance(centroid) - linear).cwiseAbs().maxCoeff() > tolerance_;
+  }
+
+  // Marks the edges that must be split; false when there is none. Centroids are tested once per triangle,
+  // for triangles whose edges all pass.
+  bool mark_edges() {
+    bool any = false;
+    for (const ShadingTriangle& triangle : shading_.triangles) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto found = edges_.find(edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]));
+        if (found != edges_.end() && found->second.refuses_linear && !found->second.split) {
+          found->second.split = true;
+          any = true;
+        }
+      }
+    }
+    std::vector<char> refuses(new_triangles_.size(), 0);
+    parallel_for(new_triangles_.size(), [&](std::size_t i) {
+      const ShadingTriangle& triangle = shading_.triangles[new_triangles_[i]];
+      const std::size_t c = longest_edge(triangle);
+      if (length_mm(triangle.vertices[c], triangle.vertices[(c + 1) % 3]) <= floor_mm_) return;
+      refuses[i] = centroid_refuses_linear(triangle) ? 1 : 0;
+    });
+    for (std::size_t i = 0; i < new_triangles_.size(); ++i) {
+      if (refuses[i] == 0) continue;
+      const ShadingTriangle& triangle = shading_.triangles[new_triangles_[i]];
+      edge_of(triangle, longest_edge(triangle)).split = true;
+      any = true;
+    }
+    return any;
+  }
+
+  // Rivara's closure: a triangle with a marked edge has its longest edge marked.
+  void close_marks() {
+    bool changed = true;
+    while (changed) {
+      changed = false;
+      for (const ShadingTriangle& triangle : shading_.triangles) {
+        if (!has_mark(triangle)) continue;
+        Edge& longest = edge_of(triangle, longest_edge(triangle));
+        if (!longest.split) {
+          longest.split = true;
+          changed = true;
+        }
+      }
+    }
+  }
+
+  bool has_mark(const ShadingTriangle& triangle) const {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto found = edges_.find(edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]));
+      if (found != edges_.end() && found->second.split) return true;
+    }
+    return false;
+  }
+
+  // Vertices and their lighting for the marked edges, then the triangles.
+  void split_triangles() {
+    light_unlit_midpoints();
+    std::vector<ShadingTriangle> kept;
+    std::vector<ShadingTriangle> fresh;
+    for (const ShadingTriangle& triangle : shading_.triangles) {
+      if (has_mark(triangle)) {
+        bisect(triangle, longest_edge(triangle), fresh);
+      } else {
+        kept.push_back(triangle);
+      }
+    }
+    std::erase_if(edges_, [](const auto& entry) { return entry.second.split; });
+    new_triangles_.clear();
+    for (std::size_t i = 0; i < fresh.size(); ++i) new_triangles_.push_back(kept.size() + i);
+    kept.insert(kept.end(), fresh.begin(), fresh.end());
+    shading_.triangles = std::move(kept);
+  }
+
+  // Edges at or below the floor get here only through the closure, without samples.
+  void light_unlit_midpoints() {
+    std::vector<std::pair<std::uint64_t, std::size_t>> wanted;
+    for (const ShadingTriangle& triangle : shading_.triangles) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint64_t key = edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]);
+        const auto found = edges_.find(key);
+        if (found == edges_.end() || !found->second.split) continue;
+        const MeshPoint middle = edge_middle(triangle, c);
+        const Vec3d normal = interpolated_normal(mesh_, middle);
+        Edge& edge = found->second;
+        if (find_sample(edge.middle, normal) == nullptr) {
+          wanted.emplace_back(key, edge.middle.size());
+          edge.middle.push_back({normal, middle});
+        }
+        if (edge.midpoint < 0) {
+          edge.midpoint = static_cast<int>(shading_.positions_mm.size());
+          shading_.positions_mm.push_back(
+              0.5 * (shading_.positions_mm[static_cast<std::size_t>(triangle.vertices[c])] +
+                     shading_.positions_mm[static_cast<std::size_t>(triangle.vertices[(c + 1) % 3])]));
+        }
+      }
+    }
+    std::vector<Sample*> samples;
+    for (const auto& [key, index] : wanted) samples.push_back(&edges_[key].middle[index]);
+    light(samples);
+  }
+
+  // Splits a triangle at the midpoint of edge c; the halves go on where they still have a marked edge.
+  void bisect(const ShadingTriangle& triangle, std::size_t c, std::vector<ShadingTriangle>& out) const {
+    const std::size_t next = (c + 1) % 3;
+    const Edge& edge = edges_.at(edge_key(triangle.vertices[c], triangle.vertices[next]));
+    const MeshPoint middle = edge_middle(triangle, c);
+    const Vec3d normal = interpolated_normal(mesh_, middle);
+    const Sample* sample = find_sample(edge.middle, normal);
+    assert(sample != nullptr);
+    for (const std::size_t replaced : {next, c}) {
+      ShadingTriangle half = triangle;
+      half.vertices[replaced] = edge.midpoint;
+      half.base_barycentric[replaced] = middle.barycentric;
+      half.normals[replaced] = normal;
+      half.uvs[replaced] = 0.5 * (triangle.uvs[c] + triangle.uvs[next]);
+      half.irradiance[replaced] = sample->irradiance;
+      add_or_bisect(half, out);
+    }
+  }
+
+  void add_or_bisect(const ShadingTriangle& triangle, std::vector<ShadingTriangle>& out) const {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto found = edges_.find(edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]));
+      if (found != edges_.end() && found->second.split) {
+        bisect(triangle, c, out);
+        return;
+      }
+    }
+    out.push_back(triangle);
+  }
+
+  ShadingMesh& shading_;
+  const Mesh& mesh_;
+  const Lighting& lighting_;
+  const SkinMask& mask_;
+  double floor_mm_;
+  double tolerance_;
+  std::vector<Samples> vertex_samples_;
+  std::unordered_map<std::uint64_t, Edge> edges_;
+  std::vector<std::size_t> new_triangles_;
+};
+
+}  // namespace
+
+void refine(ShadingMesh& shading, const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
+            const RefinementSettings& settings) {
+  Refiner(shading, mesh, lighting, mask, settings).run();
+}
+
+}  // namespace truescatter

@@ -1,0 +1,119 @@
+#include "irradiance/shading_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <unordered_map>
+
+#include "core/parallel.h"
+#include "irradiance/refine.h"
+
+namespace truescatter {
+namespace {
+
+void label_skin(ShadingMesh& shading, const SkinMask& mask) {
+  for (ShadingTriangle& triangle : shading.triangles) {
+    triangle.skin = mask.is_skin((triangle.uvs[0] + triangle.uvs[1] + triangle.uvs[2]) / 3.0);
+  }
+}
+
+std::size_t find_root(std::vector<std::size_t>& parent, std::size_t i) {
+  while (parent[i] != i) {
+    parent[i] = parent[parent[i]];
+    i = parent[i];
+  }
+  return i;
+}
+
+// Skin triangles that share an edge are of one component; components are numbered in the order of their
+// first triangle.
+void label_components(ShadingMesh& shading) {
+  std::vector<std::size_t> parent(shading.triangles.size());
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  std::unordered_map<std::uint64_t, std::size_t> first_with_edge;
+  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
+    const ShadingTriangle& triangle = shading.triangles[t];
+    if (!triangle.skin) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto a = static_cast<std::uint64_t>(triangle.vertices[c]);
+      const auto b = static_cast<std::uint64_t>(triangle.vertices[(c + 1) % 3]);
+      const auto [entry, fresh] = first_with_edge.try_emplace((std::max(a, b) << 32U) | std::min(a, b), t);
+      if (!fresh) {
+        const std::size_t root = find_root(parent, entry->second);
+        parent[find_root(parent, t)] = root;
+      }
+    }
+  }
+  std::unordered_map<std::size_t, int> number;
+  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
+    if (!shading.triangles[t].skin) continue;
+    const std::size_t root = find_root(parent, t);
+    shading.triangles[t].component = number.try_emplace(root, static_cast<int>(number.size())).first->second;
+  }
+  shading.component_count = static_cast<int>(number.size());
+}
+
+}  // namespace
+
+ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
+                              const RefinementSettings& settings) {
+  ShadingMesh shading;
+  shading.has_uvs = mesh.has_uvs();
+  refine(shading, mesh, lighting, mask, settings);
+  label_skin(shading, mask);
+  label_components(shading);
+  return shading;
+}
+
+ShadingResidual measure_residual(const ShadingMesh& shading, const Lighting& lighting, std::size_t samples,
+                                 std::uint64_t seed) {
+  std::vector<double> cumulative_area;
+  std::vector<std::size_t> skin;
+  double area = 0.0;
+  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
+    const ShadingTriangle& triangle = shading.triangles[t];
+    if (!triangle.skin) continue;
+    const Vec3d a = shading.corner(triangle, 0);
+    area += 0.5 * (shading.corner(triangle, 1) - a).cross(shading.corner(triangle, 2) - a).norm();
+    cumulative_area.push_back(area);
+    skin.push_back(t);
+  }
+  if (skin.empty() || samples == 0 || !(lighting.largest_possible() > 0.0)) return {};
+
+  // 53 bits of the generator, for the standard distributions differ between libraries.
+  std::mt19937_64 generator(seed);
+  const auto uniform = [&] { return static_cast<double>(generator() >> 11U) * 0x1.0p-53; };
+  struct Draw {
+    std::size_t triangle;
+    Vec3d barycentric;
+  };
+  std::vector<Draw> draws;
+  for (std::size_t i = 0; i < samples; ++i) {
+    const auto at = std::lower_bound(cumulative_area.begin(), cumulative_area.end(), uniform() * area);
+    const double root = std::sqrt(uniform());
+    const double b = uniform();
+    draws.push_back({skin[static_cast<std::size_t>(at - cumulative_area.begin())],
+                     Vec3d(1.0 - root, root * (1.0 - b), root * b)});
+  }
+  std::vector<double> errors(samples);
+  parallel_for(samples, [&](std::size_t i) {
+    const ShadingTriangle& triangle = shading.triangles[draws[i].triangle];
+    Vec3d linear = Vec3d::Zero();
+    Vec3d barycentric = Vec3d::Zero();
+    for (std::size_t c = 0; c < 3; ++c) {
+      linear += draws[i].barycentric[static_cast<Eigen::Index>(c)] * triangle.irradiance[c];
+      barycentric += draws[i].barycentric[static_cast<Eigen::Index>(c)] * triangle.base_barycentric[c];
+    }
+    const Vec3d real = lighting.irradiance({triangle.base, barycentric});
+    errors[i] = (real - linear).cwiseAbs().maxCoeff() / lighting.largest_possible();
+  });
+  ShadingResidual residual;
+  residual.mean = std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(samples);
+  const auto p99 = errors.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(samples - 1));
+  std::nth_element(errors.begin(), p99, errors.end());
+  residual.p99 = *p99;
+  return residual;
+}
+
+}  // namespace truescatter

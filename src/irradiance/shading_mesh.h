@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/vec.h"
+#include "irradiance/lighting.h"
+#include "irradiance/skin_mask.h"
+#include "scene/mesh.h"
+
+namespace truescatter {
+
+// One triangle of the shading mesh, a part of one triangle of the scene's mesh.
+struct ShadingTriangle {
+  std::array<int, 3> vertices{};             // into ShadingMesh::positions_mm
+  std::array<Vec3d, 3> normals;              // interpolated, unit
+  std::array<Vec3d, 3> irradiance;           // RGB: linear in between is I, by definition
+  std::array<Vec2d, 3> uvs;                  // zero where the mesh has none
+  std::size_t base = 0;                      // the triangle of the scene's mesh
+  std::array<Vec3d, 3> base_barycentric;     // of the corners, in the base triangle
+  bool skin = true;
+  int component = -1;                        // connected piece of skin; -1 for what is not skin
+};
+
+// How well the piecewise linear irradiance resolves the real lighting, in units of the largest irradiance,
+// over the skin: no part of any method's error (DESIGN section 1).
+struct ShadingResidual {
+  double mean = 0.0;  // area-weighted
+  double p99 = 0.0;
+};
+
+// The scene's mesh after conforming, in-plane refinement, with the irradiance I that both the methods and the
+// truth read (DESIGN section 1).
+struct ShadingMesh {
+  std::vector<Vec3d> positions_mm;
+  std::vector<ShadingTriangle> triangles;
+  bool has_uvs = false;
+  int component_count = 0;
+  ShadingResidual residual;
+
+  const Vec3d& corner(const ShadingTriangle& triangle, std::size_t c) const {
+    return positions_mm[static_cast<std::size_t>(triangle.vertices[c])];
+  }
+};
+
+struct RefinementSettings {
+  double tolerance = 0.02;  // of the largest possible irradiance, in any channel
+  double floor_mm = 0.4;    // no edge that is at most this long is split
+};
+
+// Refines until, at every edge's midpoint and every triangle's centroid, the real lighting differs from the
+// linear value by at most `tolerance`, or edges are down to `floor_mm`; likewise along the mask's border. An
+// edge is split for both its triangles; the longest edge of a triangle is split before any other of it
+// (Rivara's closure), so that angles stay bounded.
+ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
+                              const RefinementSettings& settings);
+
+// The residual of `shading` against the real lighting at `samples` points of the skin drawn with `seed`,
+// uniform in area.
+ShadingResidual measure_residual(const ShadingMesh& shading, const Lighting& lighting, std::size_t samples,
+                                 std::uint64_t seed);
+
+}  // namespace truescatter

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/image.h"
+#include "gpu/framebuffer.h"
+#include "gpu/program.h"
+#include "gpu/texture.h"
+#include "irradiance/shading_mesh.h"
+#include "scene/camera.h"
+
+namespace truescatter {
+
+// The shading mesh on the GPU, corner by corner (three vertices a triangle, none shared): attributes
+// 0 position (world, mm), 1 face normal, 2 interpolated normal, 3 irradiance, 4 uv, 5 skin (0 or 1).
+class SurfaceBuffers {
+ public:
+  SurfaceBuffers(const gpu::Context& context, const ShadingMesh& shading);
+  ~SurfaceBuffers();
+  SurfaceBuffers(const SurfaceBuffers&) = delete;
+  SurfaceBuffers& operator=(const SurfaceBuffers&) = delete;
+
+  void draw() const;
+  bool has_uvs() const { return has_uvs_; }
+  // Square root of the skin's area in mm^2 over its area in UV: mm per UV unit, on average. 0 without UVs.
+  double mean_mm_per_uv_unit() const { return mean_mm_per_uv_unit_; }
+
+ private:
+  const gpu::Context& context_;
+  unsigned vertex_array_ = 0;
+  unsigned buffer_ = 0;
+  int vertex_count_ = 0;
+  bool has_uvs_ = false;
+  double mean_mm_per_uv_unit_ = 0.0;
+};
+
+// One rendered view: what every method gets (DESIGN section 2). All textures are of the camera's size, sampled
+// at pixel centres, without antialiasing; where nothing is seen they are 0.
+struct Frame {
+  Camera camera;
+  gpu::Texture position;     // rgb: view-space position, mm; a: 1 where a surface is seen
+  gpu::Texture face_normal;  // rgb: the facet's unit normal, view space (for areas)
+  gpu::Texture normal;       // rgb: the interpolated unit normal, view space (for K, d' and lighting)
+  gpu::Texture irradiance;   // rgb: I; a: 1 on skin
+  gpu::Texture uv;           // rg
+  gpu::Texture surface_id;   // r: shading triangle + 1 (0: nothing), g, b: barycentrics 1 and 2 as float bits
+};
+
+Frame render_frame(const gpu::Context& context, const SurfaceBuffers& surface, const ShadingMesh& shading,
+                   const Camera& camera);
+
+// The point of the shading mesh behind a pixel.
+struct PixelSurface {
+  int triangle = -1;  // -1: nothing is seen
+  Vec3d barycentric = Vec3d::Zero();
+};
+
+// The frame's contents on the host, row 0 at the top.
+struct FrameImages {
+  Image position;     // 3 channels, view space, mm
+  Image face_normal;  // 3
+  Image normal;       // 3
+  Image irradiance;   // 3
+  Image mask;         // 1: 1 on skin
+  std::vector<PixelSurface> surface;  // row by row
+
+  const PixelSurface& surface_at(int x, int y) const {
+    return surface[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width()) + static_cast<std::size_t>(x)];
+  }
+};
+
+FrameImages read_frame(const gpu::Context& context, const Frame& frame);
+
+// Median distance along the view axis of the skin pixels, mm; 0 without skin in view.
+double median_skin_depth_mm(const FrameImages& images);
+
+}  // namespace truescatter

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "methods/frame.h"
+#include "methods/passes.h"
+#include "methods/settings.h"
+#include "profile/profile.h"
+
+namespace truescatter {
+
+// What a method aims at (DESIGN section 1): its error against this is the filter's own, the rest is the
+// model's.
+struct OwnTarget {
+  bool geodesic = false;
+  bool normalised = true;
+  std::optional<double> r_max_mm;  // none: not cut off
+
+  bool operator==(const OwnTarget&) const = default;
+};
+
+// What a method is given. All of it outlives the prepared method.
+struct MethodInputs {
+  const gpu::Context& context;
+  const Frame& frame;
+  const SurfaceBuffers& surface;
+  double median_skin_depth_mm;
+  const Profile& profile;
+  const Settings& settings;
+};
+
+// A method with its programs compiled and its textures made, ready to draw a frame again and again.
+struct PreparedMethod {
+  std::function<void(Passes&)> render;  // every pass that the method adds to the shared G-buffer
+  const gpu::Texture* output = nullptr;  // exitance in rgb, of the frame's size; lives as long as `render`
+};
+
+// A technique. To add one: a folder with its GLSL and a file that defines `Method <folder>_method()`, and the
+// folder's name in methods/CMakeLists.txt.
+struct Method {
+  std::string_view name;
+  std::string_view title;
+  std::string_view source;
+  bool needs_uvs = false;
+  std::vector<SettingSpec> settings;
+  OwnTarget (*own_target)(const Profile&, const Settings&);
+  // Throws Error (input) if a shader does not compile.
+  PreparedMethod (*prepare)(const MethodInputs&);
+};
+
+// Every method that there is, in the order of the table in DESIGN section 2.
+const std::vector<Method>& all_methods();
+
+// Throws Error (input) at `where` for an unknown name.
+const Method& find_method(std::string_view name, const SourceLocation& where = {});
+
+}  // namespace truescatter

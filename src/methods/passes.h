@@ -1,0 +1,68 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gpu/framebuffer.h"
+#include "gpu/program.h"
+
+namespace truescatter {
+
+// A texture that is drawn into, with its framebuffer.
+struct Target {
+  gpu::Texture texture;
+  gpu::Framebuffer framebuffer;
+
+  Target(const gpu::Context& context, int width, int height, gpu::Format format,
+         gpu::Filter filter = gpu::Filter::nearest)
+      : texture(context, width, height, format, filter), framebuffer(context, {&texture}) {}
+};
+
+// A pass's fragment shader: as it is timed, and its variant that counts texture reads.
+struct PassProgram {
+  gpu::Program plain;
+  gpu::Program counting;
+
+  // `fragment`: path below src/methods/. common.glsl comes first.
+  PassProgram(const gpu::Context& context, std::string_view fragment, const std::vector<std::string>& defines = {});
+  // With a vertex shader of its own, for passes that draw geometry.
+  PassProgram(const gpu::Context& context, std::string_view vertex, std::string_view fragment,
+              const std::vector<std::string>& defines);
+};
+
+// How a method draws: keeps count of its passes and, when asked to, of its texture reads.
+class Passes {
+ public:
+  explicit Passes(const gpu::Context& context) : context_(context), full_screen_(context) {}
+
+  using SetUniforms = std::function<void(const gpu::Program&)>;
+
+  // A full-screen pass into `target`; `add` blends onto what is there instead of replacing it.
+  void draw(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms, bool add = false);
+  // The same with the caller's geometry, into a cleared target.
+  void draw_geometry(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms,
+                     const std::function<void()>& geometry);
+
+  const gpu::Context& context() const { return context_; }
+
+  struct Counts {
+    int passes = 0;
+    double texels_read = 0.0;
+    double bytes_read = 0.0;
+  };
+  // Counts what `work` does; runs it with the counting shaders.
+  Counts count(const std::function<void()>& work);
+
+ private:
+  void run(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms, bool add, bool clear,
+           const std::function<void()>& geometry);
+
+  const gpu::Context& context_;
+  gpu::FullScreen full_screen_;
+  bool counting_ = false;
+  Counts counts_;
+};
+
+}  // namespace truescatter

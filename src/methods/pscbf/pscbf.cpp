@@ -1,0 +1,129 @@
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "methods/method.h"
+#include "methods/pscbf/taps.h"
+#include "methods/screen_levels.h"
+
+namespace truescatter {
+namespace {
+
+constexpr int kMaxTaps = 64;
+
+double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
+
+double normal_density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi); }
+
+// Inverse of normal_cdf by bisection: a few dozen values per run, so plainness beats speed. Symmetric, so that
+// taps mirror each other exactly.
+double normal_quantile(double probability) {
+  if (probability <= 0.0) return -std::numeric_limits<double>::infinity();
+  if (probability >= 1.0) return std::numeric_limits<double>::infinity();
+  if (probability > 0.5) return -normal_quantile(1.0 - probability);
+  double low = -40.0;
+  double high = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (low + high);
+    (normal_cdf(middle) < probability ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+struct TapUniforms {
+  std::vector<float> offsets;
+  std::vector<Vec3f> weights;
+  Vec3d depth_factor;
+};
+
+TapUniforms tap_uniforms(const GaussianTerm& term, int count, TapPlacement placement, double r_max_mm) {
+  TapUniforms uniforms;
+  for (const GaussianTap& tap : equal_probability_taps(count, term.std_dev_mm(), placement)) {
+    uniforms.offsets.push_back(static_cast<float>(tap.offset_mm / r_max_mm));
+    uniforms.weights.push_back(tap.weight.cast<float>());
+  }
+  uniforms.depth_factor = -0.5 * term.variance_mm2.cwiseInverse();
+  return uniforms;
+}
+
+// The manual stands at the head of pscbf.frag.
+PreparedMethod prepare(const MethodInputs& inputs) {
+  struct State {
+    ScreenResult screen;
+    PassProgram filter;
+    std::vector<TapUniforms> taps;
+  };
+  const auto state = std::make_shared<State>(
+      State{ScreenResult(inputs),
+            PassProgram(inputs.context, "pscbf/pscbf.frag", {fmt::format("MAX_TAPS {}", kMaxTaps)}),
+            {}});
+  const Profile& profile = inputs.profile;
+  const TapPlacement placement =
+      inputs.settings.word("placement") == "centroid" ? TapPlacement::centroid : TapPlacement::median;
+  for (const GaussianTerm& term : profile.terms) {
+    state->taps.push_back(tap_uniforms(term, inputs.settings.whole("taps"), placement, profile.r_max_mm));
+  }
+  const Frame& frame = inputs.frame;
+
+  const auto render = [state, &frame, &profile](Passes& passes) {
+    const ScreenResult& screen = state->screen;
+    screen.start(passes, frame, profile.delta_weight);
+    for (std::size_t i = 0; i < profile.terms.size(); ++i) {
+      const TapUniforms& taps = state->taps[i];
+      const auto filter = [&](const gpu::Texture& from, const Target& to, int axis) {
+        passes.draw(state->filter, to, [&](const gpu::Program& program) {
+          program.set("source", from, 0);
+          program.set("position", frame.position, 1);
+          program.set("normal", frame.normal, 2);
+          program.set("axis", axis);
+          program.set("r_max_mm", profile.r_max_mm);
+          program.set("focal_px", frame.camera.focal_px());
+          program.set("tap_count", static_cast<int>(taps.offsets.size()));
+          program.set("tap_offset", taps.offsets);
+          program.set("tap_weight", taps.weights);
+          program.set("depth_factor", taps.depth_factor);
+        });
+      };
+      filter(frame.irradiance, screen.horizontal, 0);
+      filter(screen.horizontal.texture, screen.blurred, 1);
+      screen.add(passes, frame, screen.blurred.texture, profile.terms[i].weight);
+    }
+  };
+  return {render, &state->screen.result.texture};
+}
+
+}  // namespace
+
+std::vector<GaussianTap> equal_probability_taps(int count, const Vec3d& std_dev_mm, TapPlacement placement) {
+  std::vector<GaussianTap> taps;
+  for (int i = 0; i < count; ++i) {
+    const double low = normal_quantile(static_cast<double>(i) / count);
+    const double high = normal_quantile(static_cast<double>(i + 1) / count);
+    // Centroid of a bin: the integral of x times the density, over the bin's mass 1/count.
+    const double middle = placement == TapPlacement::median ? normal_quantile((i + 0.5) / count)
+                                                            : count * (normal_density(low) - normal_density(high));
+    GaussianTap tap{middle * std_dev_mm.x(), Vec3d::Zero()};
+    for (int c = 0; c < 3; ++c) {
+      const double ratio = std_dev_mm.x() / std_dev_mm[c];
+      tap.weight[c] = normal_cdf(high * ratio) - normal_cdf(low * ratio);
+    }
+    taps.push_back(tap);
+  }
+  return taps;
+}
+
+Method pscbf_method() {
+  Method method;
+  method.name = "pscbf";
+  method.title = "Pseudo-separable cross bilateral filter";
+  method.source = "Mikkelsen 2010, section 5";
+  method.settings = {{"taps", "taps per axis", 13.0, 1.0, kMaxTaps, true},
+                     {"placement", "where in its bin a tap lies", 0.0, 0.0, 0.0, false, {"median", "centroid"}}};
+  method.own_target = [](const Profile& profile, const Settings&) {
+    return OwnTarget{false, true, profile.r_max_mm};
+  };
+  method.prepare = prepare;
+  return method;
+}
+
+}  // namespace truescatter

@@ -1,0 +1,17 @@
+// Adds one level of the texture-space blur, read at the pixel's uv, to the picture (by blending). Coverage
+// divides out what lies outside the chart; a pixel whose four texels all miss keeps its irradiance.
+uniform sampler2D irradiance;
+uniform sampler2D surface_uv;
+uniform sampler2D level;
+uniform vec3 weight;
+
+void main() {
+  ivec2 p = ivec2(gl_FragCoord.xy);
+  vec4 center = read_texel(irradiance, p);
+  result = vec4(0.0);
+  if (center.a > 0.0) {
+    vec4 blurred = read_linear(level, read_texel(surface_uv, p).xy);
+    result = vec4(weight * (blurred.a > 0.0 ? blurred.rgb / blurred.a : center.rgb), 0.0);
+  }
+  WRITE_COUNTS;
+}

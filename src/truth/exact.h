@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+
+#include "truth/surface.h"
+#include "truth/triangle_tree.h"
+
+namespace truescatter {
+
+// The convolution of one triangle with one Gaussian, seen from `point_mm`: (M_r, M_g, M_b, m). Closed form
+// of DESIGN section 1: with F(r) = -s^2 G(s, r) and the foot of the perpendicular as origin,
+//
+//   integral of G I dA = sum over edges [ i0 int (F(r) - F(h)) p / (p^2 + t^2) dt + (g.n) int F(r) dt ].
+//
+// The first integral is Owen's T function, the second an error function. A finite r_max replaces F(r) by
+// F(min(r, r_max)), split where the edge crosses the sphere. Accurate to rounding in units of the largest
+// irradiance (absolute: far triangles cancel). A triangle without area gives 0.
+Vec4d convolve_triangle_exact(const SurfaceTriangle& triangle, const Vec3d& point_mm, const TruthLayer& layer);
+
+// The exact engine: the closed form over every triangle that matters to rounding (the mass beyond the search
+// radius is below 1e-16 on a plane). The certifier; slow.
+class ExactEngine {
+ public:
+  explicit ExactEngine(const Surface& surface) : surface_(surface), tree_(surface) {}
+
+  Vec4d convolve(const SurfacePoint& point, const TruthLayer& layer) const;
+  // Every layer at every point, in parallel: [layer][point].
+  TruthValues convolve(std::span<const SurfacePoint> points, std::span<const TruthLayer> layers) const;
+
+ private:
+  const Surface& surface_;
+  TriangleTree tree_;
+};
+
+}  // namespace truescatter

@@ -1,0 +1,328 @@
+#include "truth/fast.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "core/parallel.h"
+#include "truth/exact.h"
+#include "truth/triangle_rules.h"
+
+namespace truescatter {
+namespace {
+
+constexpr double kTailShare = 0.1;        // of the tolerance
+constexpr double kQuadratureShare = 0.2;  // of the tolerance
+constexpr int kMaxSplit = 6;              // a triangle is split into at most 36 before the closed form is cheaper
+constexpr double kClusterRadius = 0.25;   // of the search radius: larger clusters are split
+constexpr std::size_t kTaskPoints = 1024;
+
+// Farthest corner from the centroid.
+double centroid_radius(const SurfaceTriangle& triangle) {
+  const Vec3d centroid = triangle.centroid_mm();
+  double radius = 0.0;
+  for (const Vec3d& corner : triangle.corners_mm) radius = std::max(radius, (corner - centroid).norm());
+  return radius;
+}
+
+// What must be known about each triangle, computed once.
+struct TriangleBounds {
+  Vec3d centroid_mm;
+  double radius_mm;
+};
+
+struct Split {
+  const TriangleRule* rule = nullptr;  // null: the closed form is cheaper
+  int parts = 1;                       // per edge
+};
+
+// Largest x for each rule such that 2 x^d / sqrt(d!) <= budget.
+class RuleChooser {
+ public:
+  explicit RuleChooser(double budget) {
+    for (const TriangleRule& rule : triangle_rules()) {
+      const double root_factorial = std::sqrt(std::tgamma(rule.degree + 1.0));
+      limits_.push_back(std::pow(0.5 * budget * root_factorial, 1.0 / rule.degree));
+    }
+  }
+
+  Split choose(double radius_in_std_devs) const {
+    Split best;
+    std::size_t best_nodes = std::numeric_limits<std::size_t>::max();
+    const std::span<const TriangleRule> rules = triangle_rules();
+    for (std::size_t r = 0; r < rules.size(); ++r) {
+      const auto parts = static_cast<int>(std::ceil(std::max(1.0, radius_in_std_devs / limits_[r])));
+      const std::size_t nodes = rules[r].nodes.size() * static_cast<std::size_t>(parts) * static_cast<std::size_t>(parts);
+      if (parts <= kMaxSplit && nodes < best_nodes) {
+        best = {&rules[r], parts};
+        best_nodes = nodes;
+      }
+    }
+    return best;
+  }
+
+ private:
+  std::vector<double> limits_;
+};
+
+// Quadrature nodes of a cluster, relative to its centre so that single precision does not lose digits.
+template <typename Scalar>
+struct NodeList {
+  std::vector<Scalar> x, y, z;
+  std::array<std::vector<Scalar>, 4> weight;  // area times R, G, B, 1
+
+  void clear() {
+    for (auto* v : {&x, &y, &z}) v->clear();
+    for (auto& w : weight) w.clear();
+  }
+  std::size_t size() const { return x.size(); }
+  void add(const Vec3d& position, const Vec3d& irradiance, double area) {
+    x.push_back(static_cast<Scalar>(position.x()));
+    y.push_back(static_cast<Scalar>(position.y()));
+    z.push_back(static_cast<Scalar>(position.z()));
+    for (std::size_t c = 0; c < 3; ++c) {
+      weight[c].push_back(static_cast<Scalar>(area * irradiance[static_cast<Eigen::Index>(c)]));
+    }
+    weight[3].push_back(static_cast<Scalar>(area));
+  }
+};
+
+// sum over nodes [begin, end) of weight * exp(-|x - point|^2 / 2s^2), in blocks that stay in the cache.
+template <typename Scalar>
+Vec4d sum_nodes(const NodeList<Scalar>& nodes, std::size_t begin, std::size_t end, const Vec3d& point,
+                double std_dev_mm) {
+  using Array = Eigen::Array<Scalar, Eigen::Dynamic, 1>;
+  using Block = Eigen::Map<const Array>;
+  constexpr Eigen::Index kBlock = 256;
+  Eigen::Array<Scalar, kBlock, 1> kernel;
+  const auto px = static_cast<Scalar>(point.x());
+  const auto py = static_cast<Scalar>(point.y());
+  const auto pz = static_cast<Scalar>(point.z());
+  const auto factor = static_cast<Scalar>(-0.5 / (std_dev_mm * std_dev_mm));
+  Vec4d sum = Vec4d::Zero();
+  for (std::size_t at = begin; at < end; at += kBlock) {
+    const auto n = static_cast<Eigen::Index>(std::min<std::size_t>(kBlock, end - at));
+    const Block x(nodes.x.data() + at, n);
+    const Block y(nodes.y.data() + at, n);
+    const Block z(nodes.z.data() + at, n);
+    kernel.head(n) = (((x - px).square() + (y - py).square() + (z - pz).square()) * factor).exp();
+    for (std::size_t c = 0; c < 4; ++c) {
+      const Block weight(nodes.weight[c].data() + at, n);
+      sum[static_cast<Eigen::Index>(c)] += static_cast<double>((kernel.head(n) * weight).sum());
+    }
+  }
+  return sum / (2.0 * kPi * std_dev_mm * std_dev_mm);
+}
+
+// Everything about one layer that does not depend on the cluster.
+struct LayerPlan {
+  TruthLayer layer;
+  double reach_mm;  // search radius
+  bool cut;         // the cut-off lies inside the search radius
+};
+
+template <typename Scalar>
+class ClusterWorker {
+ public:
+  ClusterWorker(const Surface& surface, const std::vector<TriangleBounds>& bounds, const TriangleTree& tree,
+                const RuleChooser& chooser, std::span<const SurfacePoint> points)
+      : surface_(surface), bounds_(bounds), tree_(tree), chooser_(chooser), points_(points) {}
+
+  // Splits `ids` (reordering it) until each cluster is small against the search radius, and evaluates.
+  void process(std::span<std::uint32_t> ids, const LayerPlan& plan, std::vector<Vec4d>& out) {
+    Eigen::AlignedBox3d box;
+    for (const std::uint32_t id : ids) box.extend(points_[id].position_mm);
+    const double radius_mm = 0.5 * box.diagonal().norm();
+    if (radius_mm > kClusterRadius * plan.reach_mm && ids.size() > 1) {
+      Eigen::Index axis = 0;
+      box.sizes().maxCoeff(&axis);
+      const std::size_t half = ids.size() / 2;
+      std::nth_element(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(half), ids.end(),
+                       [&](std::uint32_t a, std::uint32_t b) {
+                         const double ca = points_[a].position_mm[axis];
+                         const double cb = points_[b].position_mm[axis];
+                         return ca != cb ? ca < cb : a < b;
+                       });
+      process(ids.first(half), plan, out);
+      process(ids.subspan(half), plan, out);
+      return;
+    }
+    gather(box.center(), radius_mm, points_[ids.front()].component, plan);
+    for (const std::uint32_t id : ids) out[id] = evaluate(points_[id].position_mm, plan);
+  }
+
+ private:
+  struct Range {
+    std::uint32_t triangle;
+    std::size_t begin;
+    std::size_t end;  // empty: closed form
+  };
+
+  void gather(const Vec3d& center, double cluster_radius, int component, const LayerPlan& plan) {
+    center_ = center;
+    nodes_.clear();
+    crossing_nodes_.clear();
+    closed_.clear();
+    crossing_.clear();
+    tree_.find(center, plan.reach_mm + cluster_radius, component, found_);
+    for (const std::uint32_t t : found_) {
+      const double distance = (bounds_[t].centroid_mm - center).norm();
+      const double slack = bounds_[t].radius_mm + cluster_radius;
+      if (distance - slack > plan.reach_mm) continue;
+      const bool may_cross = plan.cut && distance + slack > plan.layer.r_max_mm;
+      const Split split = chooser_.choose(bounds_[t].radius_mm / plan.layer.std_dev_mm);
+      if (may_cross) {
+        const std::size_t begin = crossing_nodes_.size();
+        if (split.rule != nullptr) add_nodes(surface_.triangles[t], split, plan, cluster_radius, false, crossing_nodes_);
+        crossing_.push_back({t, begin, crossing_nodes_.size()});
+      } else if (split.rule == nullptr) {
+        closed_.push_back(t);
+      } else {
+        add_nodes(surface_.triangles[t], split, plan, cluster_radius, true, nodes_);
+      }
+    }
+  }
+
+  // The nodes of each part of a uniformly split triangle; parts out of every point's reach are left out
+  // if `cull` is set.
+  void add_nodes(const SurfaceTriangle& triangle, const Split& split, const LayerPlan& plan, double cluster_radius,
+                 bool cull, NodeList<Scalar>& list) const {
+    const int n = split.parts;
+    const double part_area = triangle.area_mm2() / (n * n);
+    const double part_radius = centroid_radius(triangle) / n;
+    const auto corner = [&](int i, int j) { return Vec3d(Vec3d(n - i - j, i, j) / n); };
+    const auto add_part = [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+      if (cull && n > 1) {
+        const Vec3d middle = at(triangle.corners_mm, (a + b + c) / 3.0);
+        if ((middle - center_).norm() - part_radius - cluster_radius > plan.reach_mm) return;
+      }
+      for (const TriangleNode& node : split.rule->nodes) {
+        const Vec3d w = node.barycentric.x() * a + node.barycentric.y() * b + node.barycentric.z() * c;
+        list.add(at(triangle.corners_mm, w) - center_, at(triangle.irradiance, w), node.weight * part_area);
+      }
+    };
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; i + j < n; ++j) {
+        add_part(corner(i, j), corner(i + 1, j), corner(i, j + 1));
+        if (i + j + 1 < n) add_part(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
+      }
+    }
+  }
+
+  static Vec3d at(const std::array<Vec3d, 3>& values, const Vec3d& barycentric) {
+    return barycentric.x() * values[0] + barycentric.y() * values[1] + barycentric.z() * values[2];
+  }
+
+  Vec4d evaluate(const Vec3d& point, const LayerPlan& plan) const {
+    const double s = plan.layer.std_dev_mm;
+    Vec4d sum = sum_nodes(nodes_, 0, nodes_.size(), point - center_, s);
+    const TruthLayer uncut{s, std::numeric_limits<double>::infinity()};
+    for (const std::uint32_t t : closed_) {
+      if ((bounds_[t].centroid_mm - point).norm() - bounds_[t].radius_mm > plan.reach_mm) continue;
+      sum += convolve_triangle_exact(surface_.triangles[t], point, uncut);
+    }
+    for (const Range& range : crossing_) sum += evaluate_crossing(range, point, plan);
+    return sum;
+  }
+
+  // A triangle that the cut-off sphere crosses for some point of the cluster; for this one it may lie inside
+  // or outside.
+  Vec4d evaluate_crossing(const Range& range, const Vec3d& point, const LayerPlan& plan) const {
+    const TriangleBounds& bound = bounds_[range.triangle];
+    const double distance = (bound.centroid_mm - point).norm();
+    if (distance - bound.radius_mm >= plan.layer.r_max_mm) return Vec4d::Zero();
+    const SurfaceTriangle& triangle = surface_.triangles[range.triangle];
+    double farthest2 = 0.0;
+    for (const Vec3d& corner : triangle.corners_mm) farthest2 = std::max(farthest2, (corner - point).squaredNorm());
+    const bool inside = farthest2 <= plan.layer.r_max_mm * plan.layer.r_max_mm;
+    if (inside && range.begin < range.end) {
+      return sum_nodes(crossing_nodes_, range.begin, range.end, point - center_, plan.layer.std_dev_mm);
+    }
+    return convolve_triangle_exact(triangle, point, plan.layer);
+  }
+
+  const Surface& surface_;
+  const std::vector<TriangleBounds>& bounds_;
+  const TriangleTree& tree_;
+  const RuleChooser& chooser_;
+  std::span<const SurfacePoint> points_;
+  Vec3d center_ = Vec3d::Zero();
+  NodeList<Scalar> nodes_;
+  NodeList<Scalar> crossing_nodes_;
+  std::vector<std::uint32_t> closed_;
+  std::vector<Range> crossing_;
+  std::vector<std::uint32_t> found_;
+};
+
+// Points of one component, cut into boxes of at most kTaskPoints: the units of parallel work. The cut depends
+// on the points alone.
+void cut_into_tasks(std::span<const SurfacePoint> points, std::span<std::uint32_t> ids,
+                    std::vector<std::span<std::uint32_t>>& tasks) {
+  if (ids.size() <= kTaskPoints) {
+    if (!ids.empty()) tasks.push_back(ids);
+    return;
+  }
+  Eigen::AlignedBox3d box;
+  for (const std::uint32_t id : ids) box.extend(points[id].position_mm);
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  const std::size_t half = ids.size() / 2;
+  std::nth_element(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(half), ids.end(),
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     const double ca = points[a].position_mm[axis];
+                     const double cb = points[b].position_mm[axis];
+                     return ca != cb ? ca < cb : a < b;
+                   });
+  cut_into_tasks(points, ids.first(half), tasks);
+  cut_into_tasks(points, ids.subspan(half), tasks);
+}
+
+double tail_radius_std_devs(double tolerance) { return std::sqrt(-2.0 * std::log(kTailShare * tolerance)); }
+
+template <typename Scalar>
+void convolve_with(const Surface& surface, const TriangleTree& tree, double tolerance,
+                   std::span<const SurfacePoint> points, std::span<const TruthLayer> layers,
+                   const std::function<void(std::size_t)>& advance, TruthValues& values) {
+  std::vector<TriangleBounds> bounds;
+  for (const SurfaceTriangle& t : surface.triangles) bounds.push_back({t.centroid_mm(), centroid_radius(t)});
+  const RuleChooser chooser(kQuadratureShare * tolerance);
+
+  std::map<int, std::vector<std::uint32_t>> by_component;
+  for (std::uint32_t i = 0; i < points.size(); ++i) by_component[points[i].component].push_back(i);
+  std::vector<std::span<std::uint32_t>> tasks;
+  for (auto& entry : by_component) cut_into_tasks(points, entry.second, tasks);
+
+  parallel_for(tasks.size(), [&](std::size_t t) {
+    ClusterWorker<Scalar> worker(surface, bounds, tree, chooser, points);
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+      const double tail_mm = tail_radius_std_devs(tolerance) * layers[l].std_dev_mm;
+      const LayerPlan plan{layers[l], std::min(tail_mm, layers[l].r_max_mm), layers[l].r_max_mm < tail_mm};
+      worker.process(tasks[t], plan, values[l]);
+      if (advance) advance(tasks[t].size());
+    }
+  });
+}
+
+}  // namespace
+
+FastEngine::FastEngine(const Surface& surface, double tolerance)
+    : surface_(surface), tree_(surface), tolerance_(tolerance) {
+  assert(tolerance > 0.0);
+}
+
+double FastEngine::tail_bound() const { return 2.0 * kTailShare * tolerance_; }
+
+TruthValues FastEngine::convolve(std::span<const SurfacePoint> points, std::span<const TruthLayer> layers,
+                                 const std::function<void(std::size_t)>& advance) const {
+  TruthValues values(layers.size(), std::vector<Vec4d>(points.size(), Vec4d::Zero()));
+  if (tolerance_ >= 1e-5) {
+    convolve_with<float>(surface_, tree_, tolerance_, points, layers, advance, values);
+  } else {
+    convolve_with<double>(surface_, tree_, tolerance_, points, layers, advance, values);
+  }
+  return values;
+}
+
+}  // namespace truescatter
