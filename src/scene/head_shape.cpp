@@ -368,7 +368,7 @@ void Bust::model_folds() {
   nasolabial_fold_ = drape(
       {{14.5, -18.0, 0.0, 1.0}, {17.5, -24.0, 0.0, 5.5}, {21.0, -32.0, 0.0, 6.5}, {24.0, -42.0, 0.0, 1.5}},
       bare);
-  neck_muscle_ = Sweep({{{39.0, -26.0, -20.0}, 4.5},
+  neck_muscle_ = Sweep({{{35.5, -24.0, -21.0}, 4.0},
                         {{31.5, -55.0, -8.0}, 5.5},
                         {{20.0, -85.0, 7.0}, 5.0},
                         {{8.0, -110.0, 15.0}, 3.5}});
@@ -420,25 +420,27 @@ void Bust::model_ear() {
 double Bust::with_ear(double d, const Vec3d& p) const {
   if (is_out_of_reach(p, ear_.origin_mm, kEarReach_mm - 6.0, d, 6.0)) return d;
   const Vec3d e = ear_.to_local(p);
-  // The pinna is a thin plate, dished towards the front.
+  // The pinna is a thin plate, dished towards the front, with the lobe below.
   const double upper = (e.head<2>() - Vec2d(-2.0, 5.5)).cwiseQuotient(Vec2d(12.8, 17.3)).norm();
-  const double lobe = (e.head<2>() - Vec2d(1.0, -13.0)).cwiseQuotient(Vec2d(7.7, 9.7)).norm();
-  const double outline_mm = smooth_union((upper - 1.0) * 13.0, (lobe - 1.0) * 8.0, 6.0);
+  const double lower = (e.head<2>() - Vec2d(1.0, -13.0)).cwiseQuotient(Vec2d(7.7, 9.7)).norm();
+  const double outline_mm = smooth_union((upper - 1.0) * 13.0, (lower - 1.0) * 8.0, 6.0);
   const double dish_mm = 2.0 * smooth_step(-9.0, 0.0, outline_mm) - 1.2;
   double ear = smooth_intersection(outline_mm, std::abs(e.z() - dish_mm) - 1.5, 2.0);
-  // The wall of the concha joins it to the skull.
+  ear = smooth_union(ear, Ellipsoid{{1.5, -17.5, 0.0}, {6.0, 5.5, 2.4}}.distance_mm(e), 3.0);
+  // The bowl of the concha, and what joins it to the skull.
   const double bowl = Ellipsoid{{2.0, -3.8, 0.5}, {9.4, 10.4, 9.4}}.distance_mm(e);
   ear = smooth_union(ear, smooth_intersection(bowl, e.z() - 0.2, 2.0), 3.0);
   ear = smooth_union(ear, Ellipsoid{{4.5, -1.5, -7.0}, {9.5, 12.5, 7.0}}.distance_mm(e), 4.0);
-  double all = smooth_union(d, ear, 5.0);
-  all = smooth_union(all, Ellipsoid{{1.5, -17.5, 0.0}, {6.0, 5.5, 2.4}}.distance_mm(e), 3.0);      // lobe
-  all = smooth_difference(all, Ellipsoid{{2.0, -3.8, 1.2}, {6.8, 7.8, 6.8}}.distance_mm(e), 2.5);  // concha
-  all = with_sweep(all, helix_, e, 1.8);
-  all = smooth_difference(all, scapha_.distance_mm(e), 1.2);
-  all = with_sweep(all, antihelix_, e, 2.4);
-  all = with_sweep(all, antihelix_fork_, e, 2.6);
+  const double hollow = Ellipsoid{{2.0, -3.8, 1.2}, {6.8, 7.8, 6.8}}.distance_mm(e);
+  ear = smooth_difference(ear, hollow, 2.5);
+  // The rim curls over the groove behind it; the antihelix and its fork stand in front of that.
+  ear = with_sweep(ear, helix_, e, 2.2);
+  ear = smooth_difference(ear, scapha_.distance_mm(e), 1.8);
+  ear = with_sweep(ear, antihelix_, e, 2.6);
+  ear = with_sweep(ear, antihelix_fork_, e, 2.6);
+  const double all = smooth_union(smooth_difference(d, hollow, 2.5), ear, 5.0);
   return smooth_union(all, Capsule{{11.0, -5.5, -0.5}, 3.0, {8.0, -4.0, 2.6}, 2.0}.distance_mm(e),
-                      3.0);  // tragus
+                      3.5);  // tragus
 }
 
 HeadPart Bust::part(const Vec3d& p) const {
@@ -487,11 +489,11 @@ double head_edge_mm(const Vec3d& p_mm, double edge_mm) {
     double longest_mm;
   };
   static const std::array<Detail, 5> details = {
-      {{{57.0, 0.0, -14.0}, 29.0, 0.5, 1.3},    // ear
+      {{{57.0, 0.0, -13.0}, 27.0, 0.46, 1.2},   // ear
        {{7.0, -20.0, 69.0}, 11.0, 0.45, 1.1},   // nostrils
        {{5.0, -38.0, 69.0}, 9.0, 0.42, 1.05},   // lips
        {{15.0, -38.5, 62.0}, 7.0, 0.42, 1.05},  // corner of the mouth
-       {{22.0, 9.0, 53.0}, 13.0, 0.45, 1.1}}};  // lids
+       {{23.0, 9.0, 52.0}, 15.0, 0.45, 1.1}}};  // lids
   const Vec3d half(std::abs(p_mm.x()), p_mm.y(), p_mm.z());
   double result_mm = edge_mm;
   for (const Detail& detail : details) {
