@@ -297,12 +297,12 @@ void Bust::model_eye() {
                                        {15.5, 13.8, 0.0, 2.2},
                                        {22.0, 16.0, 0.0, 2.6},
                                        {29.0, 14.0, 0.0, 2.4},
-                                       {35.0, 8.5, 0.0, 0.8}};
+                                       {34.0, 9.8, 0.0, 1.2}};
   const std::vector<FaceKnot> line = {{9.8, 6.2, 0.0, 0.8},
                                       {15.0, 5.0, 0.0, 1.9},
                                       {21.5, 3.8, 0.0, 2.1},
                                       {28.0, 4.8, 0.0, 1.9},
-                                      {34.5, 7.8, 0.0, 0.8}};
+                                      {33.5, 7.4, 0.0, 1.1}};
   const std::vector<FaceKnot> lower = {
       {11.0, 1.5, 0.0, 1.0}, {16.0, -3.0, 0.0, 4.0}, {23.0, -5.0, 0.0, 5.0}, {33.0, -1.0, 0.0, 1.0}};
   const Sweep upper_fold = drape(upper, lidded);
@@ -493,7 +493,7 @@ double head_edge_mm(const Vec3d& p_mm, double edge_mm) {
        {{7.0, -20.0, 69.0}, 11.0, 0.45, 1.1},   // nostrils
        {{5.0, -38.0, 69.0}, 9.0, 0.42, 1.05},   // lips
        {{15.0, -38.5, 62.0}, 7.0, 0.42, 1.05},  // corner of the mouth
-       {{23.0, 9.0, 52.0}, 15.0, 0.45, 1.1}}};  // lids
+       {{23.0, 9.0, 52.0}, 15.0, 0.4, 1.0}}};   // lids
   const Vec3d half(std::abs(p_mm.x()), p_mm.y(), p_mm.z());
   double result_mm = edge_mm;
   for (const Detail& detail : details) {

@@ -16,7 +16,7 @@ namespace {
 
 // --- Extraction: marching tetrahedra on a grid -------------------------------------------------------------
 
-// The grid's values. Blocks that are surely far from the surface hold only a sign.
+// The grid's values. Blocks that the surface surely does not reach hold a lower bound.
 class Grid {
  public:
   explicit Grid(const ImplicitSurface& surface) : surface_(surface) {
@@ -32,6 +32,8 @@ class Grid {
            std::uint64_t(n.x());
   }
   double value_mm(const Vec3i& n) const { return values_mm_[index(n)]; }
+  // A value beyond this means that the surface does not cut a cell at that node.
+  double cell_reach_mm() const { return 2.0 * surface_.steepness * surface_.cell_mm; }
   Vec3d position_mm(const Vec3i& n) const { return surface_.lower_mm + surface_.cell_mm * n.cast<double>(); }
 
  private:
@@ -42,12 +44,15 @@ class Grid {
                                        block / (blocks_.x() * blocks_.y()));
     const double half_mm = 0.5 * (kBlock - 1) * surface_.cell_mm;
     const double middle_mm = surface_.value_mm(position_mm(first) + Vec3d::Constant(half_mm));
-    const bool is_far = std::abs(middle_mm) > surface_.steepness * half_mm * std::sqrt(3.0);
+    // What the value is at least anywhere in the block; good enough where that has the middle's sign.
+    const double least_mm = std::abs(middle_mm) - surface_.steepness * half_mm * std::sqrt(3.0);
+    const bool is_far = least_mm > 0.0;
     for (int k = 0; k < kBlock; ++k)
       for (int j = 0; j < kBlock; ++j)
         for (int i = 0; i < kBlock; ++i) {
           const Vec3i node = first + Vec3i(i, j, k);
-          values_mm_[index(node)] = is_far ? middle_mm : surface_.value_mm(position_mm(node));
+          values_mm_[index(node)] =
+              is_far ? std::copysign(least_mm, middle_mm) : surface_.value_mm(position_mm(node));
         }
   }
 
@@ -72,6 +77,8 @@ class Extraction {
 
  private:
   void cut_cell(const Vec3i& cell) {
+    // Most cells are far from the surface: one value tells.
+    if (std::abs(grid_.value_mm(cell)) > grid_.cell_reach_mm()) return;
     int inside = 0;
     for (int c = 0; c < 8; ++c) inside += grid_.value_mm(cell + corner_offset(c)) < 0.0 ? 1 : 0;
     if (inside == 0 || inside == 8) return;
