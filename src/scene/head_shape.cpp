@@ -273,10 +273,10 @@ void Bust::model_nose() {
                         {{0.0, 0.0, 62.0}, 5.2},
                         {{0.0, -9.0, 68.0}, 5.4},
                         {{0.0, -15.0, 72.5}, 6.2}});
-  wing_groove_ = Sweep({{{8.5, -10.5, 71.5}, 0.8},
-                        {{12.0, -13.0, 67.0}, 2.6},
-                        {{14.2, -18.0, 63.0}, 3.2},
-                        {{14.5, -22.5, 60.5}, 1.0}});
+  wing_groove_ = Sweep({{{7.5, -9.5, 72.5}, 2.0},
+                        {{11.6, -13.0, 67.0}, 2.6},
+                        {{13.5, -18.0, 63.2}, 3.0},
+                        {{13.3, -24.0, 60.5}, 2.5}});
 }
 
 double Bust::with_nose(double d, const Vec3d& p) const {
@@ -293,18 +293,18 @@ double Bust::with_nose(double d, const Vec3d& p) const {
 
 void Bust::model_eye() {
   const auto lidded = [this](const Vec3d& p) { return with_eye(face_mm(p), p); };
-  const std::vector<FaceKnot> upper = {{11.5, 9.0, 0.0, 0.8},
-                                       {15.5, 13.8, 0.0, 2.2},
+  const std::vector<FaceKnot> upper = {{10.5, 8.0, 0.0, 2.0},
+                                       {14.5, 13.2, 0.0, 2.3},
                                        {22.0, 16.0, 0.0, 2.6},
-                                       {29.0, 14.0, 0.0, 2.4},
-                                       {34.0, 9.8, 0.0, 1.2}};
-  const std::vector<FaceKnot> line = {{9.8, 6.2, 0.0, 0.8},
-                                      {15.0, 5.0, 0.0, 1.9},
-                                      {21.5, 3.8, 0.0, 2.1},
-                                      {28.0, 4.8, 0.0, 1.9},
-                                      {33.5, 7.4, 0.0, 1.1}};
+                                       {29.5, 13.8, 0.0, 2.4},
+                                       {36.0, 7.5, 0.0, 2.0}};
+  const std::vector<FaceKnot> line = {{8.5, 6.4, 0.0, 1.8},
+                                      {14.0, 5.2, 0.0, 2.0},
+                                      {21.5, 3.8, 0.0, 2.2},
+                                      {29.0, 5.0, 0.0, 2.0},
+                                      {36.0, 8.6, 0.0, 1.8}};
   const std::vector<FaceKnot> lower = {
-      {11.0, 1.5, 0.0, 1.0}, {16.0, -3.0, 0.0, 4.0}, {23.0, -5.0, 0.0, 5.0}, {33.0, -1.0, 0.0, 1.0}};
+      {10.0, 2.0, 0.0, 3.0}, {15.5, -3.0, 0.0, 4.0}, {23.0, -5.0, 0.0, 5.0}, {34.0, -1.0, 0.0, 3.5}};
   const Sweep upper_fold = drape(upper, lidded);
   const Sweep lid_line = drape(line, lidded);
   const Sweep lower_fold = drape(lower, lidded);
@@ -319,7 +319,7 @@ double Bust::with_eye(double d, const Vec3d& p) const {
   const Ellipsoid ball{{22.0, 7.5, 45.2}, {11.3, 10.3, 10.8}};
   d = smooth_difference(d, socket.distance_mm(p), 9.0);
   d = smooth_union(d, ball.distance_mm(p), 2.5);
-  d += 0.36 * upper_lid_fold_.groove_mm(p) + 0.42 * lid_line_.groove_mm(p) +
+  d += 0.36 * upper_lid_fold_.groove_mm(p) + 0.4 * lid_line_.groove_mm(p) +
        0.06 * lower_lid_fold_.groove_mm(p);
   return d;
 }
@@ -345,8 +345,8 @@ void Bust::model_mouth() {
                        {0.0, -38.3, 0.0, 1.9},
                        {5.0, -37.8, 0.0, 1.9},
                        {11.0, -38.5, 0.0, 1.8},
-                       {15.5, -39.0, 0.0, 2.1},
-                       {19.5, -39.9, 0.0, 0.8}},
+                       {15.0, -38.9, 0.0, 2.2},
+                       {21.0, -40.4, 0.0, 2.0}},
                       lipped);
 }
 
@@ -358,7 +358,7 @@ double Bust::with_mouth(double d, const Vec3d& p) const {
   if (upper_lip_.far_bound_mm(p) < 6.0 || lower_lip_.far_bound_mm(p) < 6.0) {
     d = with_sweep(d, upper_lip_, p, 2.2);
     d = with_sweep(d, lower_lip_, p, 2.2);
-    d += 0.62 * mouth_line_.groove_mm(p);
+    d += 0.55 * mouth_line_.groove_mm(p);
   }
   return d;
 }
@@ -366,7 +366,7 @@ double Bust::with_mouth(double d, const Vec3d& p) const {
 void Bust::model_folds() {
   const auto bare = [this](const Vec3d& p) { return face_mm(p); };
   nasolabial_fold_ = drape(
-      {{14.5, -18.0, 0.0, 1.0}, {17.5, -24.0, 0.0, 5.5}, {21.0, -32.0, 0.0, 6.5}, {24.0, -42.0, 0.0, 1.5}},
+      {{15.0, -17.0, 0.0, 3.5}, {17.5, -24.0, 0.0, 5.5}, {21.0, -32.0, 0.0, 6.5}, {25.0, -44.0, 0.0, 5.0}},
       bare);
   neck_muscle_ = Sweep({{{35.5, -24.0, -21.0}, 4.0},
                         {{31.5, -55.0, -8.0}, 5.5},
