@@ -182,7 +182,7 @@ class Remesher {
     for (const Vec3d& p : extraction.positions_mm) handles.push_back(mesh_.add_vertex(to_point(p)));
     for (const auto& t : extraction.triangles)
       mesh_.add_face(handles[std::size_t(t[0])], handles[std::size_t(t[1])], handles[std::size_t(t[2])]);
-    settle_all();
+    settle_all(1);
   }
 
   Mesh run() {
@@ -192,11 +192,11 @@ class Remesher {
       split_long_edges();
       collapse_short_edges();
       flip(&Remesher::flip_evens_valences);
-      relax();
+      relax(1);
     }
     for (int i = 0; i < 4; ++i) {
       flip(&Remesher::flip_is_delaunay);
-      relax();
+      relax(i < 3 ? 1 : 4);
     }
     flip(&Remesher::flip_is_delaunay);
     return result();
@@ -210,11 +210,12 @@ class Remesher {
   const Point& from(Surface::HalfedgeHandle h) const { return mesh_.point(mesh_.from_vertex_handle(h)); }
   const Point& to(Surface::HalfedgeHandle h) const { return mesh_.point(mesh_.to_vertex_handle(h)); }
 
-  // Pulls a vertex onto the surface and reads what it must know of it.
-  void settle(Surface::VertexHandle v) {
+  // Pulls a vertex onto the surface in Newton steps (one is enough where it will move again) and reads what
+  // it must know of it.
+  void settle(Surface::VertexHandle v, int steps) {
     Vec3d p = to_eigen(mesh_.point(v));
     Vec3d gradient;
-    for (int step = 0; step < 3; ++step) {
+    for (int step = 0; step < steps; ++step) {
       const ImplicitSurface::Sample sample = surface_.sample(p);
       gradient = sample.gradient;
       const double reach_mm = 0.5 * surface_.cell_mm;
@@ -226,11 +227,9 @@ class Remesher {
     mesh_.data(v).outward = to_point(gradient.normalized());
     mesh_.data(v).edge_mm = surface_.edge_mm(p);
   }
-  void settle_all() {
-    parallel_for(mesh_.n_vertices(), [this](std::size_t i) {
-      const Surface::VertexHandle v{int(i)};
-      if (!mesh_.status(v).deleted()) settle(v);
-    });
+  void settle_all(int steps) {
+    parallel_for(mesh_.n_vertices(),
+                 [this, steps](std::size_t i) { settle(Surface::VertexHandle{int(i)}, steps); });
   }
 
   void split_long_edges() {
@@ -242,7 +241,7 @@ class Remesher {
       if ((to(h) - from(h)).norm() <= 4.0 / 3.0 * wanted_mm(h)) continue;
       const Surface::VertexHandle v = mesh_.add_vertex(0.5 * (from(h) + to(h)));
       mesh_.split(e, v);
-      settle(v);
+      settle(v, 2);
     }
   }
 
@@ -314,7 +313,7 @@ class Remesher {
 
   // Moves each vertex along the surface to the middle of its triangles; large triangles for their place
   // pull more.
-  void relax() {
+  void relax(int settling_steps) {
     std::vector<Point> moved(mesh_.n_vertices());
     parallel_for(mesh_.n_vertices(), [&](std::size_t i) {
       const Surface::VertexHandle v{int(i)};
@@ -332,7 +331,7 @@ class Remesher {
       moved[i] = mesh_.point(v) + step - OpenMesh::dot(step, n) * n;
     });
     for (std::size_t i = 0; i < moved.size(); ++i) mesh_.set_point(Surface::VertexHandle(int(i)), moved[i]);
-    settle_all();
+    settle_all(settling_steps);
   }
 
   Mesh result() const {
