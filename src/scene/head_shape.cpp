@@ -18,7 +18,7 @@ double with_sweep(double d, const Sweep& sweep, const Vec3d& p, double k_mm) {
   return sweep.far_bound_mm(p) > std::abs(d) + k_mm ? d : smooth_union(d, sweep.distance_mm(p), k_mm);
 }
 
-// --- Lofts: bodies that are given by their outlines ------------------------------------------------------
+// --- Lofts: bodies that are given by their outlines ---
 
 // One horizontal section: how far it reaches to the front and back, where it is widest, and half its width.
 struct Section {
@@ -130,7 +130,7 @@ Loft neck_loft() {
   return loft;
 }
 
-// --- The ear's frame -----------------------------------------------------------------------------------
+// --- The ear's frame ---
 
 constexpr double kDegree = kPi / 180.0;
 
@@ -157,7 +157,7 @@ struct EarFrame {
 
 constexpr double kEarReach_mm = 36.0;  // the ear lies within this of its origin
 
-// --- The bust ------------------------------------------------------------------------------------------
+// --- The bust ---
 
 class Bust {
  public:

@@ -14,7 +14,7 @@
 namespace truescatter {
 namespace {
 
-// --- Extraction: marching tetrahedra on a grid -------------------------------------------------------------
+// --- Extraction: marching tetrahedra on a grid ---
 
 // The grid's values. Blocks that the surface surely does not reach hold a lower bound.
 class Grid {
@@ -143,8 +143,7 @@ class Extraction {
   std::unordered_map<std::uint64_t, int> vertices_;
 };
 
-// --- Remeshing
-// ----------------------------------------------------------------------------------------------
+// --- Remeshing ---
 
 struct RemeshTraits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
