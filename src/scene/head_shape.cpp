@@ -280,7 +280,7 @@ void Bust::model_nose() {
 }
 
 double Bust::with_nose(double d, const Vec3d& p) const {
-  if (is_out_of_reach(p, {0.0, -4.0, 66.0}, 24.0, d, 13.0)) return d;
+  if (is_out_of_reach(p, {0.0, -4.0, 66.0}, 31.0, d, 13.0)) return d;
   d = with_sweep(d, nose_bridge_, p, 13.0);
   d = smooth_union(d, Ellipsoid{{0.0, -16.5, 73.5}, {7.4, 6.4, 7.2}}.distance_mm(p), 8.0);  // tip
   d = smooth_union(d, Ellipsoid{{8.2, -18.8, 68.0}, {5.0, 5.2, 7.0}}.distance_mm(p), 7.0);  // wing
@@ -314,7 +314,7 @@ void Bust::model_eye() {
 }
 
 double Bust::with_eye(double d, const Vec3d& p) const {
-  if (is_out_of_reach(p, {22.0, 8.0, 55.0}, 18.0, d, 9.0)) return d;
+  if (is_out_of_reach(p, {22.0, 8.0, 55.0}, 22.0, d, 9.0)) return d;
   const Ellipsoid socket{{22.0, 8.5, 62.0}, {15.0, 10.0, 11.0}};
   const Ellipsoid ball{{22.0, 7.5, 45.2}, {11.3, 10.3, 10.8}};
   d = smooth_difference(d, socket.distance_mm(p), 9.0);
@@ -351,7 +351,7 @@ void Bust::model_mouth() {
 }
 
 double Bust::with_mouth(double d, const Vec3d& p) const {
-  if (is_out_of_reach(p, {0.0, -37.0, 62.0}, 28.0, d, 3.0)) return d;
+  if (is_out_of_reach(p, {0.0, -37.0, 62.0}, 35.0, d, 3.0)) return d;
   d += 1.0 * Ellipsoid{{0.0, -30.0, 70.0}, {3.2, 6.0, 6.0}}.brush(p);    // philtrum
   d += 2.0 * Ellipsoid{{0.0, -49.5, 68.0}, {15.0, 6.0, 10.0}}.brush(p);  // furrow above the chin
   d += 0.09 * nasolabial_fold_.groove_mm(p);
