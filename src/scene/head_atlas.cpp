@@ -37,7 +37,7 @@ const std::array<Chart, 9> kCharts = {{
     {"right ear, back", HeadPart::ear_back, -1, {0.683, 0.010}, {0.777, 0.239}},
 }};
 
-// --- Which triangle belongs to which chart -----------------------------------------------------------------
+// --- Which triangle belongs to which chart ---
 
 using Edge = std::pair<int, int>;
 
@@ -209,8 +209,46 @@ class Segmentation {
   std::vector<std::array<int, 3>> neighbours_;
 };
 
-// --- Flattening
-// -----------------------------------------------------------------------------------------------
+// Where three charts meet, one of them may be left with a tooth that no reassignment cures: a convex border
+// squashes it. Turning the tooth's inner edge gives its tip an edge inwards, which holds it open.
+class ToothFlips {
+ public:
+  ToothFlips(Mesh& mesh, const std::vector<int>& charts)
+      : mesh_(mesh), charts_(charts), neighbours_(neighbours(mesh)), is_changed_(charts.size(), 0) {
+    for (std::size_t t = 0; t < charts.size(); ++t)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (is_foreign(t, (c + 1) % 3) && is_foreign(t, (c + 2) % 3) && !is_foreign(t, c)) flip(t, c);
+  }
+
+ private:
+  bool is_foreign(std::size_t t, std::size_t edge) const {
+    return charts_[std::size_t(neighbours_[t][edge])] != charts_[t];
+  }
+
+  // Turns edge c of triangle t = tip-a-b, which it shares with inner = b-a-w, into tip-w.
+  void flip(std::size_t t, std::size_t c) {
+    const std::size_t inner = std::size_t(neighbours_[t][c]);
+    if (is_changed_[t] || is_changed_[inner]) return;
+    const auto& corners = mesh_.triangles[inner];
+    const std::size_t b_at = std::size_t(
+        std::find(corners.begin(), corners.end(), mesh_.triangles[t][(c + 1) % 3]) - corners.begin());
+    if (is_foreign(inner, (b_at + 1) % 3) || is_foreign(inner, (b_at + 2) % 3)) return;
+    const std::size_t tip_at = (c + 2) % 3, w_at = (b_at + 2) % 3;
+    // tip-a-b loses b to w, b-a-w loses a to the tip.
+    mesh_.triangles[t][(c + 1) % 3] = mesh_.triangles[inner][w_at];
+    mesh_.corner_normals[t][(c + 1) % 3] = mesh_.corner_normals[inner][w_at];
+    mesh_.triangles[inner][(b_at + 1) % 3] = mesh_.triangles[t][tip_at];
+    mesh_.corner_normals[inner][(b_at + 1) % 3] = mesh_.corner_normals[t][tip_at];
+    is_changed_[t] = is_changed_[inner] = 1;
+  }
+
+  Mesh& mesh_;
+  const std::vector<int>& charts_;
+  std::vector<std::array<int, 3>> neighbours_;
+  std::vector<char> is_changed_;
+};
+
+// --- Flattening ---
 
 // A chart's triangles with their own vertex numbers.
 struct Patch {
@@ -443,6 +481,7 @@ class Flattening {
 
 void lay_out_head_atlas(Mesh& mesh) {
   const Segmentation segmentation(mesh);
+  const ToothFlips flips(mesh, segmentation.charts);
   std::vector<std::array<Vec2d, 3>> corner_uvs(mesh.triangles.size());
   parallel_for(kCharts.size(), [&](std::size_t i) {
     const Chart& chart = kCharts[i];

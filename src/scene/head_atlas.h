@@ -5,6 +5,7 @@
 namespace truescatter {
 
 // Cuts the bust into charts, flattens each without overlap, and packs them into the unit square.
+// A few edges at the charts' corners are turned for that.
 void lay_out_head_atlas(Mesh& mesh);
 
 }  // namespace truescatter

@@ -40,7 +40,7 @@ Sweep::Sweep(const std::vector<Knot>& knots) : knots_(knots) {
   for (const Vec3d& s : samples_mm_) bound_mm_ = std::max(bound_mm_, (s - center_mm_).norm() + widest_mm);
 }
 
-Knot Sweep::nearest(const Vec3d& p) const {
+double Sweep::nearest(const Vec3d& p) const {
   double best_squared = std::numeric_limits<double>::max();
   double s = 0.0;
   for (std::size_t i = 0; i + 1 < samples_mm_.size(); ++i) {
@@ -60,18 +60,21 @@ Knot Sweep::nearest(const Vec3d& p) const {
     const Vec3d tangent = (at(s + h).point_mm - here) / h;
     s = std::clamp(s + (p - here).dot(tangent) / tangent.squaredNorm(), 0.0, end);
   }
-  return at(s);
+  return s;
 }
 
 double Sweep::distance_mm(const Vec3d& p) const {
-  const Knot knot = nearest(p);
+  const Knot knot = at(nearest(p));
   return (p - knot.point_mm).norm() - knot.radius_mm;
 }
 
 double Sweep::groove_mm(const Vec3d& p) const {
   if (far_bound_mm(p) > 0.0) return 0.0;
-  const Knot knot = nearest(p);
-  return knot.radius_mm * bump((p - knot.point_mm).norm() / knot.radius_mm);
+  const double s = nearest(p);
+  const Knot knot = at(s);
+  const double end = double(knots_.size()) - 1.0;
+  const double fade = smooth_step(0.0, 1.0, s) * smooth_step(0.0, 1.0, end - s);
+  return fade * knot.radius_mm * bump((p - knot.point_mm).norm() / knot.radius_mm);
 }
 
 }  // namespace truescatter::sculpt

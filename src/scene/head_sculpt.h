@@ -73,15 +73,16 @@ class Sweep {
 
   // Distance to the swept tube.
   double distance_mm(const Vec3d& p) const;
-  // The radius on the curve, 0 beyond that from it: presses a groove (or raises a ridge) that is in
-  // proportion as deep as it is wide, so that it fades out where the curve gets thin.
+  // The radius on the curve, 0 beyond that from it: presses a groove that is in proportion as deep as it
+  // is wide, and that fades out over its first and last span.
   double groove_mm(const Vec3d& p) const;
   // A lower bound of distance_mm that costs next to nothing.
   double far_bound_mm(const Vec3d& p) const { return (p - center_mm_).norm() - bound_mm_; }
 
  private:
-  // The curve's point that is nearest to p (a cubic spline: so distances are smooth), and its radius.
-  Knot nearest(const Vec3d& p) const;
+  // Where the curve is nearest to p: the span, and as fraction the place in it. It is a spline, not a
+  // polygon, so distances are smooth.
+  double nearest(const Vec3d& p) const;
   Knot at(double s) const;
 
   std::vector<Knot> knots_;

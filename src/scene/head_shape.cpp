@@ -18,7 +18,7 @@ double with_sweep(double d, const Sweep& sweep, const Vec3d& p, double k_mm) {
   return sweep.far_bound_mm(p) > std::abs(d) + k_mm ? d : smooth_union(d, sweep.distance_mm(p), k_mm);
 }
 
-// --- Lofts: bodies that are given by their outlines ------------------------------------------------------
+// --- Lofts: bodies that are given by their outlines ---
 
 // One horizontal section: how far it reaches to the front and back, where it is widest, and half its width.
 struct Section {
@@ -130,7 +130,7 @@ Loft neck_loft() {
   return loft;
 }
 
-// --- The ear's frame -----------------------------------------------------------------------------------
+// --- The ear's frame ---
 
 constexpr double kDegree = kPi / 180.0;
 
@@ -157,7 +157,7 @@ struct EarFrame {
 
 constexpr double kEarReach_mm = 36.0;  // the ear lies within this of its origin
 
-// --- The bust ------------------------------------------------------------------------------------------
+// --- The bust ---
 
 class Bust {
  public:
@@ -273,14 +273,14 @@ void Bust::model_nose() {
                         {{0.0, 0.0, 62.0}, 5.2},
                         {{0.0, -9.0, 68.0}, 5.4},
                         {{0.0, -15.0, 72.5}, 6.2}});
-  wing_groove_ = Sweep({{{8.5, -10.5, 71.5}, 0.8},
-                        {{12.0, -13.0, 67.0}, 2.6},
-                        {{14.2, -18.0, 63.0}, 3.2},
-                        {{14.5, -22.5, 60.5}, 1.0}});
+  wing_groove_ = Sweep({{{7.5, -9.5, 72.5}, 2.0},
+                        {{11.6, -13.0, 67.0}, 2.6},
+                        {{13.5, -18.0, 63.2}, 3.0},
+                        {{13.3, -24.0, 60.5}, 2.5}});
 }
 
 double Bust::with_nose(double d, const Vec3d& p) const {
-  if (is_out_of_reach(p, {0.0, -4.0, 66.0}, 24.0, d, 13.0)) return d;
+  if (is_out_of_reach(p, {0.0, -4.0, 66.0}, 31.0, d, 13.0)) return d;
   d = with_sweep(d, nose_bridge_, p, 13.0);
   d = smooth_union(d, Ellipsoid{{0.0, -16.5, 73.5}, {7.4, 6.4, 7.2}}.distance_mm(p), 8.0);  // tip
   d = smooth_union(d, Ellipsoid{{8.2, -18.8, 68.0}, {5.0, 5.2, 7.0}}.distance_mm(p), 7.0);  // wing
@@ -293,18 +293,18 @@ double Bust::with_nose(double d, const Vec3d& p) const {
 
 void Bust::model_eye() {
   const auto lidded = [this](const Vec3d& p) { return with_eye(face_mm(p), p); };
-  const std::vector<FaceKnot> upper = {{11.5, 9.0, 0.0, 0.8},
-                                       {15.5, 13.8, 0.0, 2.2},
+  const std::vector<FaceKnot> upper = {{10.5, 8.0, 0.0, 2.0},
+                                       {14.5, 13.2, 0.0, 2.3},
                                        {22.0, 16.0, 0.0, 2.6},
-                                       {29.0, 14.0, 0.0, 2.4},
-                                       {35.0, 8.5, 0.0, 0.8}};
-  const std::vector<FaceKnot> line = {{9.8, 6.2, 0.0, 0.8},
-                                      {15.0, 5.0, 0.0, 1.9},
-                                      {21.5, 3.8, 0.0, 2.1},
-                                      {28.0, 4.8, 0.0, 1.9},
-                                      {34.5, 7.8, 0.0, 0.8}};
+                                       {29.5, 13.8, 0.0, 2.4},
+                                       {36.0, 7.5, 0.0, 2.0}};
+  const std::vector<FaceKnot> line = {{8.5, 6.4, 0.0, 1.8},
+                                      {14.0, 5.2, 0.0, 2.0},
+                                      {21.5, 3.8, 0.0, 2.2},
+                                      {29.0, 5.0, 0.0, 2.0},
+                                      {36.0, 8.6, 0.0, 1.8}};
   const std::vector<FaceKnot> lower = {
-      {11.0, 1.5, 0.0, 1.0}, {16.0, -3.0, 0.0, 4.0}, {23.0, -5.0, 0.0, 5.0}, {33.0, -1.0, 0.0, 1.0}};
+      {10.0, 2.0, 0.0, 3.0}, {15.5, -3.0, 0.0, 4.0}, {23.0, -5.0, 0.0, 5.0}, {34.0, -1.0, 0.0, 3.5}};
   const Sweep upper_fold = drape(upper, lidded);
   const Sweep lid_line = drape(line, lidded);
   const Sweep lower_fold = drape(lower, lidded);
@@ -314,12 +314,12 @@ void Bust::model_eye() {
 }
 
 double Bust::with_eye(double d, const Vec3d& p) const {
-  if (is_out_of_reach(p, {22.0, 8.0, 55.0}, 18.0, d, 9.0)) return d;
+  if (is_out_of_reach(p, {22.0, 8.0, 55.0}, 22.0, d, 9.0)) return d;
   const Ellipsoid socket{{22.0, 8.5, 62.0}, {15.0, 10.0, 11.0}};
   const Ellipsoid ball{{22.0, 7.5, 45.2}, {11.3, 10.3, 10.8}};
   d = smooth_difference(d, socket.distance_mm(p), 9.0);
   d = smooth_union(d, ball.distance_mm(p), 2.5);
-  d += 0.36 * upper_lid_fold_.groove_mm(p) + 0.42 * lid_line_.groove_mm(p) +
+  d += 0.36 * upper_lid_fold_.groove_mm(p) + 0.4 * lid_line_.groove_mm(p) +
        0.06 * lower_lid_fold_.groove_mm(p);
   return d;
 }
@@ -345,20 +345,20 @@ void Bust::model_mouth() {
                        {0.0, -38.3, 0.0, 1.9},
                        {5.0, -37.8, 0.0, 1.9},
                        {11.0, -38.5, 0.0, 1.8},
-                       {15.5, -39.0, 0.0, 2.1},
-                       {19.5, -39.9, 0.0, 0.8}},
+                       {15.0, -38.9, 0.0, 2.2},
+                       {21.0, -40.4, 0.0, 2.0}},
                       lipped);
 }
 
 double Bust::with_mouth(double d, const Vec3d& p) const {
-  if (is_out_of_reach(p, {0.0, -37.0, 62.0}, 28.0, d, 3.0)) return d;
+  if (is_out_of_reach(p, {0.0, -37.0, 62.0}, 35.0, d, 3.0)) return d;
   d += 1.0 * Ellipsoid{{0.0, -30.0, 70.0}, {3.2, 6.0, 6.0}}.brush(p);    // philtrum
   d += 2.0 * Ellipsoid{{0.0, -49.5, 68.0}, {15.0, 6.0, 10.0}}.brush(p);  // furrow above the chin
   d += 0.09 * nasolabial_fold_.groove_mm(p);
   if (upper_lip_.far_bound_mm(p) < 6.0 || lower_lip_.far_bound_mm(p) < 6.0) {
     d = with_sweep(d, upper_lip_, p, 2.2);
     d = with_sweep(d, lower_lip_, p, 2.2);
-    d += 0.62 * mouth_line_.groove_mm(p);
+    d += 0.55 * mouth_line_.groove_mm(p);
   }
   return d;
 }
@@ -366,9 +366,9 @@ double Bust::with_mouth(double d, const Vec3d& p) const {
 void Bust::model_folds() {
   const auto bare = [this](const Vec3d& p) { return face_mm(p); };
   nasolabial_fold_ = drape(
-      {{14.5, -18.0, 0.0, 1.0}, {17.5, -24.0, 0.0, 5.5}, {21.0, -32.0, 0.0, 6.5}, {24.0, -42.0, 0.0, 1.5}},
+      {{15.0, -17.0, 0.0, 3.5}, {17.5, -24.0, 0.0, 5.5}, {21.0, -32.0, 0.0, 6.5}, {25.0, -44.0, 0.0, 5.0}},
       bare);
-  neck_muscle_ = Sweep({{{39.0, -26.0, -20.0}, 4.5},
+  neck_muscle_ = Sweep({{{35.5, -24.0, -21.0}, 4.0},
                         {{31.5, -55.0, -8.0}, 5.5},
                         {{20.0, -85.0, 7.0}, 5.0},
                         {{8.0, -110.0, 15.0}, 3.5}});
@@ -420,25 +420,27 @@ void Bust::model_ear() {
 double Bust::with_ear(double d, const Vec3d& p) const {
   if (is_out_of_reach(p, ear_.origin_mm, kEarReach_mm - 6.0, d, 6.0)) return d;
   const Vec3d e = ear_.to_local(p);
-  // The pinna is a thin plate, dished towards the front.
+  // The pinna is a thin plate, dished towards the front, with the lobe below.
   const double upper = (e.head<2>() - Vec2d(-2.0, 5.5)).cwiseQuotient(Vec2d(12.8, 17.3)).norm();
-  const double lobe = (e.head<2>() - Vec2d(1.0, -13.0)).cwiseQuotient(Vec2d(7.7, 9.7)).norm();
-  const double outline_mm = smooth_union((upper - 1.0) * 13.0, (lobe - 1.0) * 8.0, 6.0);
+  const double lower = (e.head<2>() - Vec2d(1.0, -13.0)).cwiseQuotient(Vec2d(7.7, 9.7)).norm();
+  const double outline_mm = smooth_union((upper - 1.0) * 13.0, (lower - 1.0) * 8.0, 6.0);
   const double dish_mm = 2.0 * smooth_step(-9.0, 0.0, outline_mm) - 1.2;
   double ear = smooth_intersection(outline_mm, std::abs(e.z() - dish_mm) - 1.5, 2.0);
-  // The wall of the concha joins it to the skull.
+  ear = smooth_union(ear, Ellipsoid{{1.5, -17.5, 0.0}, {6.0, 5.5, 2.4}}.distance_mm(e), 3.0);
+  // The bowl of the concha, and what joins it to the skull.
   const double bowl = Ellipsoid{{2.0, -3.8, 0.5}, {9.4, 10.4, 9.4}}.distance_mm(e);
   ear = smooth_union(ear, smooth_intersection(bowl, e.z() - 0.2, 2.0), 3.0);
   ear = smooth_union(ear, Ellipsoid{{4.5, -1.5, -7.0}, {9.5, 12.5, 7.0}}.distance_mm(e), 4.0);
-  double all = smooth_union(d, ear, 5.0);
-  all = smooth_union(all, Ellipsoid{{1.5, -17.5, 0.0}, {6.0, 5.5, 2.4}}.distance_mm(e), 3.0);      // lobe
-  all = smooth_difference(all, Ellipsoid{{2.0, -3.8, 1.2}, {6.8, 7.8, 6.8}}.distance_mm(e), 2.5);  // concha
-  all = with_sweep(all, helix_, e, 1.8);
-  all = smooth_difference(all, scapha_.distance_mm(e), 1.2);
-  all = with_sweep(all, antihelix_, e, 2.4);
-  all = with_sweep(all, antihelix_fork_, e, 2.6);
+  const double hollow = Ellipsoid{{2.0, -3.8, 1.2}, {6.8, 7.8, 6.8}}.distance_mm(e);
+  ear = smooth_difference(ear, hollow, 2.5);
+  // The rim curls over the groove behind it; the antihelix and its fork stand in front of that.
+  ear = with_sweep(ear, helix_, e, 2.2);
+  ear = smooth_difference(ear, scapha_.distance_mm(e), 1.8);
+  ear = with_sweep(ear, antihelix_, e, 2.6);
+  ear = with_sweep(ear, antihelix_fork_, e, 2.6);
+  const double all = smooth_union(smooth_difference(d, hollow, 2.5), ear, 5.0);
   return smooth_union(all, Capsule{{11.0, -5.5, -0.5}, 3.0, {8.0, -4.0, 2.6}, 2.0}.distance_mm(e),
-                      3.0);  // tragus
+                      3.5);  // tragus
 }
 
 HeadPart Bust::part(const Vec3d& p) const {
@@ -487,11 +489,11 @@ double head_edge_mm(const Vec3d& p_mm, double edge_mm) {
     double longest_mm;
   };
   static const std::array<Detail, 5> details = {
-      {{{57.0, 0.0, -14.0}, 29.0, 0.5, 1.3},    // ear
+      {{{57.0, 0.0, -13.0}, 27.0, 0.46, 1.2},   // ear
        {{7.0, -20.0, 69.0}, 11.0, 0.45, 1.1},   // nostrils
        {{5.0, -38.0, 69.0}, 9.0, 0.42, 1.05},   // lips
        {{15.0, -38.5, 62.0}, 7.0, 0.42, 1.05},  // corner of the mouth
-       {{22.0, 9.0, 53.0}, 13.0, 0.45, 1.1}}};  // lids
+       {{23.0, 9.0, 52.0}, 15.0, 0.4, 1.0}}};   // lids
   const Vec3d half(std::abs(p_mm.x()), p_mm.y(), p_mm.z());
   double result_mm = edge_mm;
   for (const Detail& detail : details) {

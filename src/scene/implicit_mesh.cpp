@@ -14,9 +14,9 @@
 namespace truescatter {
 namespace {
 
-// --- Extraction: marching tetrahedra on a grid -------------------------------------------------------------
+// --- Extraction: marching tetrahedra on a grid ---
 
-// The grid's values. Blocks that are surely far from the surface hold only a sign.
+// The grid's values. Blocks that the surface surely does not reach hold a lower bound.
 class Grid {
  public:
   explicit Grid(const ImplicitSurface& surface) : surface_(surface) {
@@ -32,6 +32,8 @@ class Grid {
            std::uint64_t(n.x());
   }
   double value_mm(const Vec3i& n) const { return values_mm_[index(n)]; }
+  // A value beyond this means that the surface does not cut a cell at that node.
+  double cell_reach_mm() const { return 2.0 * surface_.steepness * surface_.cell_mm; }
   Vec3d position_mm(const Vec3i& n) const { return surface_.lower_mm + surface_.cell_mm * n.cast<double>(); }
 
  private:
@@ -42,12 +44,15 @@ class Grid {
                                        block / (blocks_.x() * blocks_.y()));
     const double half_mm = 0.5 * (kBlock - 1) * surface_.cell_mm;
     const double middle_mm = surface_.value_mm(position_mm(first) + Vec3d::Constant(half_mm));
-    const bool is_far = std::abs(middle_mm) > surface_.steepness * half_mm * std::sqrt(3.0);
+    // What the value is at least anywhere in the block; good enough where that has the middle's sign.
+    const double least_mm = std::abs(middle_mm) - surface_.steepness * half_mm * std::sqrt(3.0);
+    const bool is_far = least_mm > 0.0;
     for (int k = 0; k < kBlock; ++k)
       for (int j = 0; j < kBlock; ++j)
         for (int i = 0; i < kBlock; ++i) {
           const Vec3i node = first + Vec3i(i, j, k);
-          values_mm_[index(node)] = is_far ? middle_mm : surface_.value_mm(position_mm(node));
+          values_mm_[index(node)] =
+              is_far ? std::copysign(least_mm, middle_mm) : surface_.value_mm(position_mm(node));
         }
   }
 
@@ -72,6 +77,8 @@ class Extraction {
 
  private:
   void cut_cell(const Vec3i& cell) {
+    // Most cells are far from the surface: one value tells.
+    if (std::abs(grid_.value_mm(cell)) > grid_.cell_reach_mm()) return;
     int inside = 0;
     for (int c = 0; c < 8; ++c) inside += grid_.value_mm(cell + corner_offset(c)) < 0.0 ? 1 : 0;
     if (inside == 0 || inside == 8) return;
@@ -136,8 +143,7 @@ class Extraction {
   std::unordered_map<std::uint64_t, int> vertices_;
 };
 
-// --- Remeshing
-// ----------------------------------------------------------------------------------------------
+// --- Remeshing ---
 
 struct RemeshTraits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
@@ -175,7 +181,7 @@ class Remesher {
     for (const Vec3d& p : extraction.positions_mm) handles.push_back(mesh_.add_vertex(to_point(p)));
     for (const auto& t : extraction.triangles)
       mesh_.add_face(handles[std::size_t(t[0])], handles[std::size_t(t[1])], handles[std::size_t(t[2])]);
-    settle_all();
+    settle_all(1);
   }
 
   Mesh run() {
@@ -185,11 +191,11 @@ class Remesher {
       split_long_edges();
       collapse_short_edges();
       flip(&Remesher::flip_evens_valences);
-      relax();
+      relax(1);
     }
     for (int i = 0; i < 4; ++i) {
       flip(&Remesher::flip_is_delaunay);
-      relax();
+      relax(i < 3 ? 1 : 4);
     }
     flip(&Remesher::flip_is_delaunay);
     return result();
@@ -203,11 +209,12 @@ class Remesher {
   const Point& from(Surface::HalfedgeHandle h) const { return mesh_.point(mesh_.from_vertex_handle(h)); }
   const Point& to(Surface::HalfedgeHandle h) const { return mesh_.point(mesh_.to_vertex_handle(h)); }
 
-  // Pulls a vertex onto the surface and reads what it must know of it.
-  void settle(Surface::VertexHandle v) {
+  // Pulls a vertex onto the surface in Newton steps (one is enough where it will move again) and reads what
+  // it must know of it.
+  void settle(Surface::VertexHandle v, int steps) {
     Vec3d p = to_eigen(mesh_.point(v));
     Vec3d gradient;
-    for (int step = 0; step < 3; ++step) {
+    for (int step = 0; step < steps; ++step) {
       const ImplicitSurface::Sample sample = surface_.sample(p);
       gradient = sample.gradient;
       const double reach_mm = 0.5 * surface_.cell_mm;
@@ -219,11 +226,9 @@ class Remesher {
     mesh_.data(v).outward = to_point(gradient.normalized());
     mesh_.data(v).edge_mm = surface_.edge_mm(p);
   }
-  void settle_all() {
-    parallel_for(mesh_.n_vertices(), [this](std::size_t i) {
-      const Surface::VertexHandle v{int(i)};
-      if (!mesh_.status(v).deleted()) settle(v);
-    });
+  void settle_all(int steps) {
+    parallel_for(mesh_.n_vertices(),
+                 [this, steps](std::size_t i) { settle(Surface::VertexHandle{int(i)}, steps); });
   }
 
   void split_long_edges() {
@@ -235,7 +240,7 @@ class Remesher {
       if ((to(h) - from(h)).norm() <= 4.0 / 3.0 * wanted_mm(h)) continue;
       const Surface::VertexHandle v = mesh_.add_vertex(0.5 * (from(h) + to(h)));
       mesh_.split(e, v);
-      settle(v);
+      settle(v, 2);
     }
   }
 
@@ -307,7 +312,7 @@ class Remesher {
 
   // Moves each vertex along the surface to the middle of its triangles; large triangles for their place
   // pull more.
-  void relax() {
+  void relax(int settling_steps) {
     std::vector<Point> moved(mesh_.n_vertices());
     parallel_for(mesh_.n_vertices(), [&](std::size_t i) {
       const Surface::VertexHandle v{int(i)};
@@ -325,7 +330,7 @@ class Remesher {
       moved[i] = mesh_.point(v) + step - OpenMesh::dot(step, n) * n;
     });
     for (std::size_t i = 0; i < moved.size(); ++i) mesh_.set_point(Surface::VertexHandle(int(i)), moved[i]);
-    settle_all();
+    settle_all(settling_steps);
   }
 
   Mesh result() const {
