@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "truth/edge_formula.h"
 #include "truth/surface.h"
 #include "truth/triangle_tree.h"
 
@@ -16,6 +17,9 @@ namespace truescatter {
 // F(min(r, r_max)), split where the edge crosses the sphere. Accurate to rounding in units of the largest
 // irradiance (absolute: far triangles cancel). A triangle without area gives 0.
 Vec4d convolve_triangle_exact(const SurfaceTriangle& triangle, const Vec3d& point_mm, const TruthLayer& layer);
+
+// The integrals along a piece of an edge inside the cut-off, in closed form: Owen's T and erf.
+EdgeIntegrals edge_inside_exact(double p, double t0, double t1, double std_dev_mm, double at_foot);
 
 // The exact engine: the closed form over every triangle that matters to rounding (the mass beyond the search
 // radius is below 1e-16 on a plane). The certifier; slow.

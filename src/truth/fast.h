@@ -18,8 +18,9 @@ namespace truescatter {
 //   2 A |I| x^d s^d max|D^d G| / d!. Summed over a plane, s^d integral |D^d G| <= sqrt(d!) (the directional
 //   derivative is a Hermite function He_d, and E|He_d| <= sqrt(E He_d^2) = sqrt(d!)), hence the total is
 //   at most 2 x^d / sqrt(d!). Each triangle takes the cheapest rule, after a uniform split if need be, that
-//   keeps this bound below tolerance/5.
-// - Triangles too large for that, and those which the cut-off sphere crosses, take the closed form.
+//   keeps this bound below 0.6 tolerance.
+// - Triangles too large for that, and those which the cut-off sphere crosses, take the
+//   boundary formula, each edge by Gauss-Legendre quadrature where that is good to 1e-7, else in closed form.
 // - Sums run in single precision (about 1e-6) for a tolerance of 1e-5 or more, else in double.
 //
 // Work is shared: points are clustered in space, and a cluster much smaller than the Gaussian gathers its
