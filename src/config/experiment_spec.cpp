@@ -13,7 +13,9 @@ std::filesystem::path resolve_path(const ExperimentSpec& spec, const std::string
     throw_input_error(where, "{}{}", error.what(), hint);
   }
   std::filesystem::path result(expanded);
-  if (result.is_relative()) result = spec.file.parent_path() / result;
+  // A variable's value was typed in a shell: relative to where that stands.
+  const bool from_shell = path.starts_with("${");
+  if (result.is_relative() && !from_shell) result = spec.file.parent_path() / result;
   if (!std::filesystem::exists(result)) throw_input_error(where, "no such file: {}{}", result.string(), hint);
   return result;
 }

@@ -24,6 +24,7 @@ struct SceneSpec {
   double unit_mm = 1.0;
   std::string normals = "automatic";  // automatic | file | angle-weighted
   int loop_subdivisions = 0;
+  bool flip_v = false;    // for files that break their format's convention for v
   std::string skin_mask;  // path of a UV texture; empty: all is skin
   SourceLocation skin_mask_where;
   std::string obtain;  // where the data can be had; told when a file is missing
@@ -119,7 +120,8 @@ ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vec
 // The experiment as TOML with every default written out; reading it gives the same experiment.
 std::string to_toml(const ExperimentSpec& spec);
 
-// A path of the experiment: environment variables expanded, then relative to the experiment's file. A variable
+// A path of the experiment: environment variables expanded; relative to the experiment's file, or to the working
+// folder where it starts with a variable. A variable
 // that is not set, or a file that is not there, is an Error (input) that repeats `obtain`.
 std::filesystem::path resolve_path(const ExperimentSpec& spec, const std::string& path, const SourceLocation& where);
 

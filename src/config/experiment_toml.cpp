@@ -23,11 +23,12 @@ SceneSpec read_scene(TomlTable table) {
   scene.unit_mm = table.number("unit_mm", 1.0, 1e-9, 1e9);
   scene.normals = table.one_of("normals", "automatic", {"automatic", "file", "angle-weighted"});
   scene.loop_subdivisions = table.whole("loop_subdivisions", 0, 0, 6);
+  scene.flip_v = table.flag("flip_v", false);
   scene.skin_mask = table.text("skin_mask", "");
   scene.skin_mask_where = table.where("skin_mask");
   scene.obtain = table.text("obtain", "");
   if (scene.mesh.starts_with("builtin:")) {
-    for (const char* key : {"unit_mm", "normals", "loop_subdivisions"}) {
+    for (const char* key : {"unit_mm", "normals", "loop_subdivisions", "flip_v"}) {
       if (table.has(key)) table.fail(key, fmt::format("'scene.{}' is for mesh files; a built-in scene has none", key));
     }
   } else if (!scene.parameters.empty()) {
@@ -294,7 +295,7 @@ std::string scene_toml(const ExperimentSpec& spec) {
   std::string text = "\n[scene]\n" + line("mesh", portable(scene.mesh));
   if (!scene.mesh.starts_with("builtin:")) {
     text += line("unit_mm", scene.unit_mm) + line("normals", scene.normals) +
-            line("loop_subdivisions", scene.loop_subdivisions);
+            line("loop_subdivisions", scene.loop_subdivisions) + line("flip_v", scene.flip_v);
   }
   if (!scene.skin_mask.empty()) text += line("skin_mask", portable(scene.skin_mask));
   if (!scene.obtain.empty()) text += line("obtain", scene.obtain);

@@ -149,12 +149,12 @@ Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Met
   setup.context.finish();
   const double setup_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   Passes passes(setup.context);
+  const Passes::Counts counts = passes.count([&] { prepared.render(passes); });
   const gpu::FrameTimes times = gpu::time_frames(
       setup.context, [&] { prepared.render(passes); }, setup.spec.timing.warm_up, setup.spec.timing.repeats);
   setup.context.check(std::string(method.name).c_str());
   Measured measured;
   measured.exitance = gpu::read_texture(setup.context, *prepared.output, 3);
-  const Passes::Counts counts = passes.count([&] { prepared.render(passes); });
   const double per_pixel = pixels > 0 ? 1.0 / static_cast<double>(pixels) : 0.0;
   measured.cost = {{"frame_ms",
                     {{"median", times.median_ms}, {"min", times.min_ms}, {"max", times.max_ms}, {"repeats", times.repeats}}},
@@ -335,15 +335,19 @@ class ViewRunner {
   PendingView pending_;
 };
 
-// One fixed range for every error map of the experiment: the largest 99 % quantile of any run, rounded up.
+// One fixed range for every error map of the experiment: the median over the runs of the 99 % quantile, rounded
+// up. The worst method's maps saturate; scaled to the worst, the good ones would be black.
 double common_range(const json& results) {
-  double largest = 0.0;
+  std::vector<double> quantiles;
   for (const json& run : results["runs"]) {
     if (run.contains("metrics") && run["metrics"]["p99"].is_number()) {
-      largest = std::max(largest, run["metrics"]["p99"].get<double>());
+      quantiles.push_back(run["metrics"]["p99"].get<double>());
     }
   }
-  return largest > 0.0 ? round_range(largest) : 1.0;
+  if (quantiles.empty()) return 1.0;
+  const auto middle = quantiles.begin() + static_cast<std::ptrdiff_t>(quantiles.size() / 2);
+  std::nth_element(quantiles.begin(), middle, quantiles.end());
+  return *middle > 0.0 ? round_range(*middle) : 1.0;
 }
 
 void write_view(const PendingView& view, const std::filesystem::path& maps, double range, double exposure,

@@ -25,6 +25,7 @@ Mesh load_scene_mesh(const ExperimentSpec& spec) {
   LoadOptions options;
   options.unit_mm = scene.unit_mm;
   options.loop_subdivisions = scene.loop_subdivisions;
+  options.flip_v = scene.flip_v;
   if (scene.normals == "file") options.normals = NormalSource::file;
   if (scene.normals == "angle-weighted") options.normals = NormalSource::angle_weighted;
   return load_mesh(resolve_path(spec, scene.mesh, scene.mesh_where), options);

@@ -128,51 +128,133 @@ struct NodeList {
     }
     weight[3][i] = static_cast<Scalar>(area);
   }
+  // Appends nodes [begin, end) of a list in world coordinates, moved to `center`.
+  void append(const NodeList& world, std::size_t begin, std::size_t end, const Vec3d& center) {
+    const std::size_t first = grow(end - begin);
+    const auto cx = static_cast<Scalar>(center.x());
+    const auto cy = static_cast<Scalar>(center.y());
+    const auto cz = static_cast<Scalar>(center.z());
+    for (std::size_t i = 0; i < end - begin; ++i) {
+      x[first + i] = world.x[begin + i] - cx;
+      y[first + i] = world.y[begin + i] - cy;
+      z[first + i] = world.z[begin + i] - cz;
+    }
+    for (std::size_t c = 0; c < 4; ++c) {
+      std::copy_n(world.weight[c].begin() + static_cast<std::ptrdiff_t>(begin), end - begin,
+                  weight[c].begin() + static_cast<std::ptrdiff_t>(first));
+    }
+  }
 };
+
+Vec3d at(const std::array<Vec3d, 3>& values, const Vec3d& barycentric) {
+  return barycentric.x() * values[0] + barycentric.y() * values[1] + barycentric.z() * values[2];
+}
+
+// The nodes of each part of a uniformly split triangle, relative to `center`; parts that `keep` refuses (by
+// their middle and radius) are left out.
+template <typename Scalar, typename Keep>
+void add_nodes(const SurfaceTriangle& triangle, const Split& split, const Vec3d& center, const Keep& keep,
+               NodeList<Scalar>& list) {
+  const int n = split.parts;
+  const double part_area = triangle.area_mm2() / (n * n);
+  const double part_radius = centroid_radius(triangle) / n;
+  const auto corner = [&](int i, int j) { return Vec3d(Vec3d(n - i - j, i, j) / n); };
+  const auto add_part = [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const std::array<Vec3d, 3> corners = {at(triangle.corners_mm, a), at(triangle.corners_mm, b),
+                                          at(triangle.corners_mm, c)};
+    if (!keep((corners[0] + corners[1] + corners[2]) / 3.0, part_radius)) return;
+    const std::array<Vec3d, 3> irradiance = {at(triangle.irradiance, a), at(triangle.irradiance, b),
+                                             at(triangle.irradiance, c)};
+    std::size_t i = list.grow(split.rule->nodes.size());
+    for (const TriangleNode& node : split.rule->nodes) {
+      list.set(i++, at(corners, node.barycentric) - center, at(irradiance, node.barycentric), node.weight * part_area);
+    }
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; i + j < n; ++j) {
+      add_part(corner(i, j), corner(i + 1, j), corner(i, j + 1));
+      if (i + j + 1 < n) add_part(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
+    }
+  }
+}
 
 // sum over nodes [begin, end) of weight * exp(-|x - point|^2 / 2s^2), in blocks that stay in the cache.
 template <typename Scalar>
 Vec4d sum_nodes(const NodeList<Scalar>& nodes, std::size_t begin, std::size_t end, const Vec3d& point,
-                double std_dev_mm) {
+                double std_dev_mm, bool gray) {
   using Array = Eigen::Array<Scalar, Eigen::Dynamic, 1>;
   using Block = Eigen::Map<const Array>;
   constexpr Eigen::Index kBlock = 256;
+  // Nothing that counts lies this far out (exp(-60) = 9e-27), and denormal numbers are slow.
+  constexpr auto kSmallestExponent = Scalar(-60);
   Eigen::Array<Scalar, kBlock, 1> kernel;
   const auto px = static_cast<Scalar>(point.x());
   const auto py = static_cast<Scalar>(point.y());
   const auto pz = static_cast<Scalar>(point.z());
   const auto factor = static_cast<Scalar>(-0.5 / (std_dev_mm * std_dev_mm));
   Vec4d sum = Vec4d::Zero();
-  for (std::size_t at = begin; at < end; at += kBlock) {
-    const auto n = static_cast<Eigen::Index>(std::min<std::size_t>(kBlock, end - at));
-    const Block x(nodes.x.data() + at, n);
-    const Block y(nodes.y.data() + at, n);
-    const Block z(nodes.z.data() + at, n);
-    kernel.head(n) = (((x - px).square() + (y - py).square() + (z - pz).square()) * factor).exp();
-    for (std::size_t c = 0; c < 4; ++c) {
-      const Block weight(nodes.weight[c].data() + at, n);
+  for (std::size_t first = begin; first < end; first += kBlock) {
+    const auto n = static_cast<Eigen::Index>(std::min<std::size_t>(kBlock, end - first));
+    const Block x(nodes.x.data() + first, n);
+    const Block y(nodes.y.data() + first, n);
+    const Block z(nodes.z.data() + first, n);
+    kernel.head(n) =
+        (((x - px).square() + (y - py).square() + (z - pz).square()) * factor).max(kSmallestExponent).exp();
+    for (std::size_t c = gray ? 2 : 0; c < 4; ++c) {
+      const Block weight(nodes.weight[c].data() + first, n);
       sum[static_cast<Eigen::Index>(c)] += static_cast<double>((kernel.head(n) * weight).sum());
     }
   }
+  if (gray) sum[0] = sum[1] = sum[2];
   return sum / (2.0 * kPi * std_dev_mm * std_dev_mm);
 }
 
 // Everything about one layer that does not depend on the cluster.
+template <typename Scalar>
 struct LayerPlan {
   TruthLayer layer;
   double reach_mm;  // search radius
   bool cut;         // the cut-off lies inside the search radius
+  std::vector<Split> split;             // per triangle
+  std::vector<std::size_t> node_begin;  // per triangle, and one more: nodes that are kept, in world coordinates
+  NodeList<Scalar> nodes;
 };
+
+// Triangles that are split a little are met by many clusters: their nodes are computed once per layer.
+constexpr int kMaxKeptSplit = 4;
+constexpr std::size_t kMaxKeptNodes = 20'000'000;
+
+template <typename Scalar>
+LayerPlan<Scalar> plan_layer(const Surface& surface, const std::vector<TriangleBounds>& bounds,
+                             const RuleChooser& chooser, const TruthLayer& layer, double tail_mm) {
+  LayerPlan<Scalar> plan{layer, std::min(tail_mm, layer.r_max_mm), layer.r_max_mm < tail_mm, {}, {0}, {}};
+  std::size_t wanted = 0;
+  const auto keeps = [&](const Split& split) { return split.rule != nullptr && split.parts <= kMaxKeptSplit; };
+  for (const TriangleBounds& bound : bounds) {
+    plan.split.push_back(chooser.choose(bound.radius_mm / layer.std_dev_mm));
+    const Split& split = plan.split.back();
+    if (keeps(split)) wanted += split.rule->nodes.size() * static_cast<std::size_t>(split.parts * split.parts);
+  }
+  for (std::size_t t = 0; t < bounds.size(); ++t) {
+    if (wanted <= kMaxKeptNodes && keeps(plan.split[t])) {
+      add_nodes(surface.triangles[t], plan.split[t], Vec3d::Zero(), [](const Vec3d&, double) { return true; }, plan.nodes);
+    }
+    plan.node_begin.push_back(plan.nodes.size());
+  }
+  return plan;
+}
 
 template <typename Scalar>
 class ClusterWorker {
  public:
+  using Plan = LayerPlan<Scalar>;
+
   ClusterWorker(const Surface& surface, const std::vector<TriangleBounds>& bounds, const TriangleTree& tree,
-                const RuleChooser& chooser, std::span<const SurfacePoint> points)
-      : surface_(surface), bounds_(bounds), tree_(tree), chooser_(chooser), points_(points) {}
+                std::span<const SurfacePoint> points, bool gray)
+      : surface_(surface), bounds_(bounds), tree_(tree), points_(points), gray_(gray) {}
 
   // Splits `ids` (reordering it) until each cluster is small against the search radius, and evaluates.
-  void process(std::span<std::uint32_t> ids, const LayerPlan& plan, std::vector<Vec4d>& out) {
+  void process(std::span<std::uint32_t> ids, const Plan& plan, std::vector<Vec4d>& out) {
     Eigen::AlignedBox3d box;
     for (const std::uint32_t id : ids) box.extend(points_[id].position_mm);
     const double radius_mm = 0.5 * box.diagonal().norm();
@@ -201,7 +283,7 @@ class ClusterWorker {
     std::size_t end;  // empty: closed form
   };
 
-  void gather(const Vec3d& center, double cluster_radius, int component, const LayerPlan& plan) {
+  void gather(const Vec3d& center, double cluster_radius, int component, const Plan& plan) {
     center_ = center;
     nodes_.clear();
     crossing_nodes_.clear();
@@ -213,56 +295,34 @@ class ClusterWorker {
       const double slack = bounds_[t].radius_mm + cluster_radius;
       if (distance - slack > plan.reach_mm) continue;
       const bool may_cross = plan.cut && distance + slack > plan.layer.r_max_mm;
-      const Split split = chooser_.choose(bounds_[t].radius_mm / plan.layer.std_dev_mm);
+      const bool closed = plan.split[t].rule == nullptr;
       if (may_cross) {
         const std::size_t begin = crossing_nodes_.size();
-        if (split.rule != nullptr) add_nodes(surface_.triangles[t], split, plan, cluster_radius, false, crossing_nodes_);
+        if (!closed) append_nodes(t, plan, cluster_radius, crossing_nodes_);
         crossing_.push_back({t, begin, crossing_nodes_.size()});
-      } else if (split.rule == nullptr) {
+      } else if (closed) {
         closed_.push_back(t);
       } else {
-        add_nodes(surface_.triangles[t], split, plan, cluster_radius, true, nodes_);
+        append_nodes(t, plan, cluster_radius, nodes_);
       }
     }
   }
 
-  // The nodes of each part of a uniformly split triangle; parts out of every point's reach are left out
-  // if `cull` is set.
-  void add_nodes(const SurfaceTriangle& triangle, const Split& split, const LayerPlan& plan, double cluster_radius,
-                 bool cull, NodeList<Scalar>& list) const {
-    const int n = split.parts;
-    const double part_area = triangle.area_mm2() / (n * n);
-    const double part_radius = centroid_radius(triangle) / n;
-    const auto corner = [&](int i, int j) { return Vec3d(Vec3d(n - i - j, i, j) / n); };
-    const auto add_part = [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-      if (cull && n > 1) {
-        const Vec3d middle = at(triangle.corners_mm, (a + b + c) / 3.0);
-        if ((middle - center_).norm() - part_radius - cluster_radius > plan.reach_mm) return;
-      }
-      const std::array<Vec3d, 3> corners = {at(triangle.corners_mm, a) - center_, at(triangle.corners_mm, b) - center_,
-                                            at(triangle.corners_mm, c) - center_};
-      const std::array<Vec3d, 3> irradiance = {at(triangle.irradiance, a), at(triangle.irradiance, b),
-                                               at(triangle.irradiance, c)};
-      std::size_t i = list.grow(split.rule->nodes.size());
-      for (const TriangleNode& node : split.rule->nodes) {
-        list.set(i++, at(corners, node.barycentric), at(irradiance, node.barycentric), node.weight * part_area);
-      }
+  // All nodes of a triangle, or those in reach of the cluster.
+  void append_nodes(std::uint32_t t, const Plan& plan, double cluster_radius, NodeList<Scalar>& list) const {
+    if (plan.node_begin[t] < plan.node_begin[t + 1]) {
+      list.append(plan.nodes, plan.node_begin[t], plan.node_begin[t + 1], center_);
+      return;
+    }
+    const auto in_reach = [&](const Vec3d& middle, double radius) {
+      return (middle - center_).norm() - radius - cluster_radius <= plan.reach_mm;
     };
-    for (int i = 0; i < n; ++i) {
-      for (int j = 0; i + j < n; ++j) {
-        add_part(corner(i, j), corner(i + 1, j), corner(i, j + 1));
-        if (i + j + 1 < n) add_part(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
-      }
-    }
+    add_nodes(surface_.triangles[t], plan.split[t], center_, in_reach, list);
   }
 
-  static Vec3d at(const std::array<Vec3d, 3>& values, const Vec3d& barycentric) {
-    return barycentric.x() * values[0] + barycentric.y() * values[1] + barycentric.z() * values[2];
-  }
-
-  Vec4d evaluate(const Vec3d& point, const LayerPlan& plan) const {
+  Vec4d evaluate(const Vec3d& point, const Plan& plan) const {
     const double s = plan.layer.std_dev_mm;
-    Vec4d sum = sum_nodes(nodes_, 0, nodes_.size(), point - center_, s);
+    Vec4d sum = sum_nodes(nodes_, 0, nodes_.size(), point - center_, s, gray_);
     const TruthLayer uncut{s, std::numeric_limits<double>::infinity()};
     for (const std::uint32_t t : closed_) {
       if ((bounds_[t].centroid_mm - point).norm() - bounds_[t].radius_mm > plan.reach_mm) continue;
@@ -274,7 +334,7 @@ class ClusterWorker {
 
   // A triangle that the cut-off sphere crosses for some point of the cluster; for this one it may lie inside
   // or outside.
-  Vec4d evaluate_crossing(const Range& range, const Vec3d& point, const LayerPlan& plan) const {
+  Vec4d evaluate_crossing(const Range& range, const Vec3d& point, const Plan& plan) const {
     const TriangleBounds& bound = bounds_[range.triangle];
     const double distance = (bound.centroid_mm - point).norm();
     if (distance - bound.radius_mm >= plan.layer.r_max_mm) return Vec4d::Zero();
@@ -283,7 +343,7 @@ class ClusterWorker {
     for (const Vec3d& corner : triangle.corners_mm) farthest2 = std::max(farthest2, (corner - point).squaredNorm());
     const bool inside = farthest2 <= plan.layer.r_max_mm * plan.layer.r_max_mm;
     if (inside && range.begin < range.end) {
-      return sum_nodes(crossing_nodes_, range.begin, range.end, point - center_, plan.layer.std_dev_mm);
+      return sum_nodes(crossing_nodes_, range.begin, range.end, point - center_, plan.layer.std_dev_mm, gray_);
     }
     return convolve_triangle_fast(triangle, point, plan.layer);
   }
@@ -291,8 +351,8 @@ class ClusterWorker {
   const Surface& surface_;
   const std::vector<TriangleBounds>& bounds_;
   const TriangleTree& tree_;
-  const RuleChooser& chooser_;
   std::span<const SurfacePoint> points_;
+  bool gray_;
   Vec3d center_ = Vec3d::Zero();
   NodeList<Scalar> nodes_;
   NodeList<Scalar> crossing_nodes_;
@@ -324,6 +384,14 @@ void cut_into_tasks(std::span<const SurfacePoint> points, std::span<std::uint32_
   cut_into_tasks(points, ids.subspan(half), tasks);
 }
 
+// Under white light the three channels are one: a scene needs no more.
+bool is_gray(const Surface& surface) {
+  return std::all_of(surface.triangles.begin(), surface.triangles.end(), [](const SurfaceTriangle& triangle) {
+    return std::all_of(triangle.irradiance.begin(), triangle.irradiance.end(),
+                       [](const Vec3d& v) { return v.x() == v.y() && v.y() == v.z(); });
+  });
+}
+
 double tail_radius_std_devs(double tolerance) { return std::sqrt(-2.0 * std::log(kTailShare * tolerance)); }
 
 template <typename Scalar>
@@ -339,15 +407,16 @@ void convolve_with(const Surface& surface, const TriangleTree& tree, double tole
   std::vector<std::span<std::uint32_t>> tasks;
   for (auto& entry : by_component) cut_into_tasks(points, entry.second, tasks);
 
-  parallel_for(tasks.size(), [&](std::size_t t) {
-    ClusterWorker<Scalar> worker(surface, bounds, tree, chooser, points);
-    for (std::size_t l = 0; l < layers.size(); ++l) {
-      const double tail_mm = tail_radius_std_devs(tolerance) * layers[l].std_dev_mm;
-      const LayerPlan plan{layers[l], std::min(tail_mm, layers[l].r_max_mm), layers[l].r_max_mm < tail_mm};
+  const bool gray = is_gray(surface);
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    const double tail_mm = tail_radius_std_devs(tolerance) * layers[l].std_dev_mm;
+    const LayerPlan<Scalar> plan = plan_layer<Scalar>(surface, bounds, chooser, layers[l], tail_mm);
+    parallel_for(tasks.size(), [&](std::size_t t) {
+      ClusterWorker<Scalar> worker(surface, bounds, tree, points, gray);
       worker.process(tasks[t], plan, values[l]);
       if (advance) advance(tasks[t].size());
-    }
-  });
+    });
+  }
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ double normal_density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 
 double normal_quantile(double probability) {
   if (probability <= 0.0) return -std::numeric_limits<double>::infinity();
   if (probability >= 1.0) return std::numeric_limits<double>::infinity();
+  if (probability == 0.5) return 0.0;
   if (probability > 0.5) return -normal_quantile(1.0 - probability);
   double low = -40.0;
   double high = 0.0;

@@ -1,0 +1,194 @@
+#include "irradiance/shading_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "scene/builtin.h"
+
+namespace truescatter {
+namespace {
+
+Light lamp(const Vec3d& direction, bool shadows = true) {
+  Light light;
+  light.direction = direction.normalized();
+  light.shadows = shadows;
+  return light;
+}
+
+ShadingMesh shade(const Mesh& mesh, const Light& light, const SkinMask& mask = {}, double tolerance = 0.02,
+                  double floor_mm = 0.4) {
+  return make_shading_mesh(mesh, Lighting(mesh, {light}), mask, {tolerance, floor_mm});
+}
+
+double area_mm2(const ShadingMesh& shading) {
+  double area = 0.0;
+  for (const ShadingTriangle& t : shading.triangles) {
+    const Vec3d a = shading.corner(t, 0);
+    area += 0.5 * (shading.corner(t, 1) - a).cross(shading.corner(t, 2) - a).norm();
+  }
+  return area;
+}
+
+// How many edges have one triangle, and how many more than two.
+std::pair<int, int> boundary_and_crowded_edges(const ShadingMesh& shading) {
+  std::map<std::pair<int, int>, int> uses;
+  for (const ShadingTriangle& t : shading.triangles) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      ++uses[std::minmax(t.vertices[c], t.vertices[(c + 1) % 3])];
+    }
+  }
+  int boundary = 0;
+  int crowded = 0;
+  for (const auto& [edge, count] : uses) {
+    if (count == 1) ++boundary;
+    if (count > 2) ++crowded;
+  }
+  return {boundary, crowded};
+}
+
+TEST(Lighting, IsLambertOnAPlane) {
+  const Mesh plane = make_builtin("plane");
+  const Vec3d direction = Vec3d(1.0, 2.0, 2.0) / 3.0;
+  const Lighting lighting(plane, {lamp(direction)});
+  // n = z, so n.l = 2/3; nothing shades a plane.
+  EXPECT_NEAR(lighting.irradiance({5, Vec3d(0.2, 0.3, 0.5)}).x(), 2.0 / 3.0, 1e-12);
+  const Lighting from_behind(plane, {lamp(Vec3d(0.0, 0.0, -1.0))});
+  EXPECT_EQ(from_behind.irradiance({5, Vec3d(0.2, 0.3, 0.5)}), Vec3d::Zero());
+}
+
+TEST(Lighting, PointLightFallsWithTheSquareOfTheDistance) {
+  const Mesh plane = make_builtin("plane");
+  Light light;
+  light.kind = LightKind::point;
+  light.reference_mm = 100.0;
+  const MeshPoint point{7, Vec3d(0.2, 0.3, 0.5)};
+  const Vec3d x = position_mm(plane, point);
+  light.position_mm = x + Vec3d(0.0, 0.0, 200.0);
+  EXPECT_NEAR(Lighting(plane, {light}).irradiance(point).y(), 0.25, 1e-12);
+}
+
+TEST(Lighting, FrontCardShadesTheBackCard) {
+  // Cards: the front one covers x < 0, 20 mm above the back one. Lit along -z from above, the back card is
+  // dark where x < 0.
+  const Mesh cards = make_builtin("cards");
+  const Lighting lighting(cards, {lamp(Vec3d::UnitZ())});
+  for (std::size_t t = 0; t < cards.triangle_count(); ++t) {
+    const MeshPoint middle{t, Vec3d::Constant(1.0 / 3.0)};
+    const Vec3d x = position_mm(cards, middle);
+    const bool dark = x.z() < 0.0 && x.x() < -0.1;
+    if (std::abs(x.x()) < 0.1) continue;
+    EXPECT_NEAR(lighting.irradiance(middle).x(), dark ? 0.0 : 1.0, 1e-12) << x.transpose();
+  }
+}
+
+TEST(Lighting, CoarseSphereCastsNoBlocksOnItself) {
+  // 6 mm edges on a radius of 25 mm: facets stand 0.2 mm below the sphere. The true sphere is lit wherever
+  // n.l > 0; the faceted one, with shadows, must not lose light there. Within a facet's tilt of the
+  // terminator (edge / radius = 0.24) the lamp grazes and the lift may fall short.
+  const Mesh sphere = make_builtin("sphere", {{"edge_mm", 6.0}});
+  const Light light = lamp(Vec3d(0.3, 0.5, 1.0));
+  const Lighting shadowed(sphere, {light});
+  for (std::size_t t = 0; t < sphere.triangle_count(); ++t) {
+    for (const Vec3d& b : {Vec3d(1.0 / 3, 1.0 / 3, 1.0 / 3), Vec3d(0.9, 0.05, 0.05), Vec3d(0.05, 0.9, 0.05)}) {
+      const double cosine = interpolated_normal(sphere, {t, b}).dot(light.direction);
+      if (cosine > 0.24) {
+        EXPECT_NEAR(shadowed.irradiance({t, b}).x(), cosine, 1e-12) << "triangle " << t;
+      }
+    }
+  }
+}
+
+TEST(Refinement, LeavesAnEvenlyLitPlaneAlone) {
+  const Mesh plane = make_builtin("plane");
+  EXPECT_EQ(shade(plane, lamp(Vec3d(0.0, 0.3, 1.0))).triangles.size(), plane.triangle_count());
+}
+
+TEST(Refinement, IsConformingInPlaneAndGoesToTheShadowEdge) {
+  const Mesh cards = make_builtin("cards");
+  const Light light = lamp(Vec3d(0.4, 0.0, 1.0));
+  const ShadingMesh shading = shade(cards, light, {}, 0.02, 0.25);
+  EXPECT_GT(shading.triangles.size(), cards.triangle_count());
+  EXPECT_NEAR(area_mm2(shading), surface_area_mm2(cards), 1e-9 * surface_area_mm2(cards));
+  EXPECT_EQ(boundary_and_crowded_edges(shading).second, 0);
+  // A T-junction would show as inner edges with one triangle: the boundary must stay the cards' outlines.
+  double boundary_mm = 0.0;
+  std::map<std::pair<int, int>, int> uses;
+  for (const ShadingTriangle& t : shading.triangles) {
+    for (std::size_t c = 0; c < 3; ++c) ++uses[std::minmax(t.vertices[c], t.vertices[(c + 1) % 3])];
+  }
+  for (const auto& [edge, count] : uses) {
+    if (count != 1) continue;
+    boundary_mm += (shading.positions_mm[static_cast<std::size_t>(edge.first)] -
+                    shading.positions_mm[static_cast<std::size_t>(edge.second)])
+                       .norm();
+  }
+  // Back card 60 x 60, front card 30 x 60.
+  EXPECT_NEAR(boundary_mm, 4 * 60.0 + 2 * 90.0, 1e-6);
+  // The shadow's edge on the back card: the front card's edge x = 0 at z = 10, moved by the lamp's slope over
+  // the gap of 20 mm to x = -8.
+  double smallest_at_edge = 1e9;
+  double smallest_away = 1e9;  // more than 6 mm: beyond what the closure can reach from edges of 2 mm
+  for (const ShadingTriangle& t : shading.triangles) {
+    const Vec3d middle = (shading.corner(t, 0) + shading.corner(t, 1) + shading.corner(t, 2)) / 3.0;
+    const double length = (shading.corner(t, 1) - shading.corner(t, 0)).norm();
+    const double distance = std::abs(middle.x() + 8.0);
+    if (std::abs(middle.y()) > 26.0) continue;  // the shadow's ends lie on the outline, where rays graze the card
+    if (middle.z() > 0.0 || distance > 6.0) smallest_away = std::min(smallest_away, length);
+    if (middle.z() < 0.0 && distance < 0.5) smallest_at_edge = std::min(smallest_at_edge, length);
+  }
+  EXPECT_GT(smallest_away, 1.0);
+  EXPECT_LE(smallest_at_edge, 0.25);
+}
+
+TEST(Refinement, ResolvesACurvedSurfaceToItsTolerance) {
+  const Mesh sphere = make_builtin("sphere", {{"edge_mm", 6.0}});
+  const Light light = lamp(Vec3d(0.3, 0.5, 1.0), false);
+  const Lighting lighting(sphere, {light});
+  const ShadingMesh shading = make_shading_mesh(sphere, lighting, {}, {0.01, 0.05});
+  const ShadingResidual residual = measure_residual(shading, lighting, 5000, 1);
+  // Every midpoint and centroid is within the tolerance; between them the error of linear interpolation of a
+  // smooth function is no larger than at the worst of these, up to the kink at the terminator.
+  EXPECT_LT(residual.p99, 0.01);
+  EXPECT_GT(residual.p99, 0.0);
+  EXPECT_LE(residual.mean, residual.p99);
+}
+
+TEST(Refinement, MaskIsReadAtCentroidsAndItsBorderIsRefined) {
+  Image half(64, 64, 1);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 32; x < 64; ++x) half.at(x, y, 0) = 1.0F;
+  }
+  const Mesh plane = make_builtin("plane");
+  const ShadingMesh shading = shade(plane, lamp(Vec3d::UnitZ()), SkinMask(half), 0.02, 0.25);
+  double skin = 0.0;
+  for (const ShadingTriangle& t : shading.triangles) {
+    const Vec3d a = shading.corner(t, 0);
+    const double area = 0.5 * (shading.corner(t, 1) - a).cross(shading.corner(t, 2) - a).norm();
+    EXPECT_EQ(t.skin, t.component >= 0);
+    if (t.skin) skin += area;
+  }
+  // The plane's UVs may have a margin, so half of it is skin; triangles at the border are at most 0.25 mm
+  // wide (their longest edge may be sqrt 2 times the shortest), along 60 mm.
+  EXPECT_NEAR(skin, 0.5 * 3600.0, 60.0 * 0.25 * 2.0);
+  EXPECT_EQ(shading.component_count, 1);
+}
+
+TEST(Components, CardsAreTwo) {
+  EXPECT_EQ(shade(make_builtin("cards"), lamp(Vec3d::UnitZ())).component_count, 2);
+  EXPECT_EQ(shade(make_builtin("wedge"), lamp(Vec3d(0.1, 0.0, 1.0))).component_count, 1);
+}
+
+TEST(SkinMask, ReadsVUp) {
+  Image image(2, 2, 1);
+  image.at(0, 0, 0) = 1.0F;  // top left: u = 0.25, v = 0.75
+  const SkinMask mask(image);
+  EXPECT_NEAR(mask.value(Vec2d(0.25, 0.75)), 1.0, 1e-12);
+  EXPECT_NEAR(mask.value(Vec2d(0.25, 0.25)), 0.0, 1e-12);
+  EXPECT_NEAR(mask.value(Vec2d(0.5, 0.75)), 0.5, 1e-12);
+  EXPECT_TRUE(SkinMask().is_skin(Vec2d(0.1, 0.1)));
+}
+
+}  // namespace
+}  // namespace truescatter
