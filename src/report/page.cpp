@@ -1,0 +1,55 @@
+#include "report/page.h"
+
+#include <array>
+#include <cassert>
+#include <functional>
+#include <map>
+#include <string_view>
+
+namespace truescatter {
+
+// Defined by the build from the files in page/.
+namespace report_page {
+std::string embedded(std::string_view path);
+}  // namespace report_page
+
+namespace {
+
+std::string page_file(std::string_view name) {
+  std::string text = report_page::embedded("report/page/" + std::string(name));
+  assert(!text.empty());
+  return text;
+}
+
+std::string all_scripts() {
+  std::string text;
+  for (const char* name : {"base.js", "data.js", "summary.js", "scatter.js", "halo.js", "pictures.js", "viewer.js",
+                           "tables.js", "details.js", "report.js"}) {
+    text += page_file(name);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string make_page(const PageContents& contents) {
+  const std::map<std::string, std::string, std::less<>> values = {{"title", contents.title},
+                                                                  {"style", page_file("report.css")},
+                                                                  {"results", contents.results},
+                                                                  {"pictures", contents.pictures},
+                                                                  {"scripts", all_scripts()}};
+  const std::string text = page_file("report.html");
+  // One pass: what is put in is never searched for placeholders itself.
+  std::string page;
+  std::size_t from = 0;
+  for (std::size_t at = text.find("{{"); at != std::string::npos; at = text.find("{{", from)) {
+    const std::size_t end = text.find("}}", at);
+    assert(end != std::string::npos);
+    page.append(text, from, at - from);
+    page += values.at(text.substr(at + 2, end - at - 2));
+    from = end + 2;
+  }
+  return page.append(text, from);
+}
+
+}  // namespace truescatter

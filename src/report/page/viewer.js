@@ -1,0 +1,188 @@
+// The viewer: a large comparison with a slider, and all methods beside it, zoomed and panned as one.
+
+const viewerState = { c: cases[0], kind: "magnitude", left: "truth", right: null, split: 50, zoom: 1, x: 0, y: 0 };
+const viewerParts = {};
+
+const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
+
+// Position is a share of a pane's size, so that panes of any size show the same place.
+function placePanes() {
+  const { zoom, x, y } = viewerState;
+  viewerParts.root.style.setProperty("--place", `translate(${100 * x}%, ${100 * y}%) scale(${zoom})`);
+  viewerParts.root.classList.toggle("close", zoom >= 3);
+  viewerParts.zoom.textContent = `${number(zoom)}${TIMES}`;
+}
+
+function zoomAt(factor, px, py) {
+  const zoom = clamp(viewerState.zoom * factor, 1, 24), ratio = zoom / viewerState.zoom;
+  viewerState.zoom = zoom;
+  moveTo(px - (px - viewerState.x) * ratio, py - (py - viewerState.y) * ratio);
+}
+
+function moveTo(x, y) {
+  viewerState.x = clamp(x, 1 - viewerState.zoom, 0);
+  viewerState.y = clamp(y, 1 - viewerState.zoom, 0);
+  placePanes();
+}
+
+function resetPlace() {
+  viewerState.zoom = 1;
+  moveTo(0, 0);
+}
+
+function setSplit(percentage) {
+  viewerState.split = clamp(percentage, 0, 100);
+  viewerParts.root.style.setProperty("--split", viewerState.split + "%");
+  viewerParts.handle.setAttribute("aria-valuenow", Math.round(viewerState.split));
+}
+
+// The wheel belongs to the page until the viewer has been clicked, so that scrolling past it does not stick.
+function onWheel(event) {
+  if (!event.ctrlKey && !viewerParts.root.contains(document.activeElement)) return;
+  event.preventDefault();
+  const box = event.currentTarget.getBoundingClientRect();
+  zoomAt(Math.exp(-0.0016 * event.deltaY), (event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
+}
+
+function startDrag(event, pane, slides) {
+  const box = pane.getBoundingClientRect(), from = { x: viewerState.x, y: viewerState.y };
+  pane.focus({ preventScroll: true });
+  pane.setPointerCapture(event.pointerId);
+  const move = (e) => {
+    if (slides) setSplit(100 * (e.clientX - box.left) / box.width);
+    else moveTo(from.x + (e.clientX - event.clientX) / box.width, from.y + (e.clientY - event.clientY) / box.height);
+  };
+  const stop = () => pane.removeEventListener("pointermove", move);
+  pane.addEventListener("pointermove", move);
+  pane.addEventListener("pointerup", stop, { once: true });
+  pane.addEventListener("pointercancel", stop, { once: true });
+}
+
+const KEY_MOVES = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
+
+function onKey(event) {
+  if (event.key === "+" || event.key === "=") zoomAt(1.5, 0.5, 0.5);
+  else if (event.key === "-") zoomAt(1 / 1.5, 0.5, 0.5);
+  else if (event.key === "0") resetPlace();
+  else if (KEY_MOVES[event.key]) moveTo(viewerState.x + KEY_MOVES[event.key][0], viewerState.y + KEY_MOVES[event.key][1]);
+  else return;
+  event.preventDefault();
+}
+
+function onHandleKey(event) {
+  const step = { ArrowLeft: -2, ArrowRight: 2, Home: -100, End: 100 }[event.key];
+  if (step === undefined) return;
+  setSplit(viewerState.split + step);
+  event.preventDefault();
+  event.stopPropagation();
+}
+
+function pane(children, slides) {
+  const element = h("div", { class: "pane", tabindex: "0", onwheel: null }, children);
+  element.addEventListener("wheel", onWheel, { passive: false });
+  element.addEventListener("keydown", onKey);
+  element.addEventListener("dblclick", resetPlace);
+  element.addEventListener("pointerdown", (event) => {
+    const onHandle = event.target.closest(".handle") !== null;
+    if (event.button !== 0 || event.target.closest("a")) return;
+    event.preventDefault();
+    startDrag(event, element, slides && (onHandle || viewerState.zoom === 1));
+  });
+  return element;
+}
+
+const sourceName = (source, kind) => source === "truth" ? "truth" : source === "irradiance" || kind === "irradiance" ? "irradiance"
+  : source + (kind === "picture" ? "" : kind === "magnitude" ? ", |error|" : ", signed error");
+
+function fullSizeLink(shown) {
+  return shown.path ? h("a", { href: linkTo(shown.path), title: "The full-size file in maps/" }, "full size") : null;
+}
+
+function comparison() {
+  const { c, kind, left, right } = viewerState;
+  const a = pictureOf(c, left, kind), b = pictureOf(c, right, kind);
+  viewerParts.large.style.aspectRatio = viewAspect(c);
+  viewerParts.handle.setAttribute("aria-label", "Divide between the two pictures");
+  viewerParts.large.replaceChildren(
+    h("div", { class: "layer" }, cropped(c, b, sourceName(right, kind))),
+    h("div", { class: "layer over" }, cropped(c, a, sourceName(left, kind))),
+    h("span", { class: "tag left" }, sourceName(left, kind)), h("span", { class: "tag right" }, sourceName(right, kind)), viewerParts.handle);
+  viewerParts.links.replaceChildren("Full size: ", h("span", {}, listed([a, b].filter((p) => p.path).map((p) =>
+    h("a", { href: linkTo(p.path) }, p.path.split("/").pop())))));
+}
+
+function tile(source) {
+  const { c, kind } = viewerState, run = c.all.find((r) => r.label === source);
+  const shown = pictureOf(c, source, kind);
+  const name = run ? methodName(source) : h("span", { class: "method" }, source === "truth" ? "Truth" : "Irradiance");
+  return h("figure", { class: "tile" + (source === viewerState.right ? " chosen" : "") },
+    h("figcaption", {}, run ? h("button", { type: "button", title: "Compare with this one", onclick: () => chooseRight(source) }, name) : name,
+      run && run.metrics && h("b", {}, isDistinguishable(run) ? percent(relativeError(run)) : "\u2248 0"), fullSizeLink(shown)),
+    pane(cropped(c, shown, sourceName(source, kind)), false));
+}
+
+function showTiles() {
+  const { c, kind } = viewerState;
+  const methods = [...c.runs].sort(byError).map((run) => run.label);
+  viewerParts.tiles.replaceChildren(...(kind === "irradiance" ? ["irradiance"] : kind === "picture" ? ["truth", ...methods] : methods).map(tile));
+  viewerParts.bar.replaceChildren(...[kind === "magnitude" || kind === "signed" ? colourBar(c, kind) : null].filter(Boolean));
+}
+
+function chooseRight(source) {
+  viewerState.right = source;
+  showViewer();
+}
+
+function selector(caption, name, withTruth) {
+  const options = [...(withTruth ? ["truth", "irradiance"] : []), ...viewerState.c.runs.map((run) => run.label)];
+  return h("label", {}, caption + " ", h("select", { onchange: (event) => { viewerState[name] = event.target.value; showViewer(); } },
+    options.map((o) => h("option", { value: o, selected: o === viewerState[name] }, o))));
+}
+
+function showViewer() {
+  const known = viewerState.c.runs.map((run) => run.label);
+  if (!known.includes(viewerState.right)) viewerState.right = ([...viewerState.c.runs].sort(byError).find((run) => !isFree(run)) || {}).label || known[0];
+  if (!known.includes(viewerState.left) && viewerState.left !== "irradiance") viewerState.left = "truth";
+  viewerParts.pickers.replaceChildren(selector("Left", "left", true), selector("Right", "right", false));
+  comparison();
+  showTiles();
+  placePanes();
+}
+
+function openViewer(c, source, kind) {
+  if (c.runs.some((run) => run.label === source)) viewerState.right = source;
+  viewerState.c = c;
+  viewerParts.kind.show(kind);
+  if (viewerParts.cases) viewerParts.cases.show(c.key);
+  viewerParts.root.scrollIntoView({ behavior: "smooth", block: "start" });
+}
+
+function viewerControls() {
+  viewerParts.cases = choice("Case", cases.map((c) => ({ value: c.key, text: caseName(c) || c.view })), viewerState.c.key,
+    (key) => { viewerState.c = cases.find((c) => c.key === key); showViewer(); });
+  viewerParts.kind = choice("Show", KINDS, viewerState.kind, (kind) => { viewerState.kind = kind; showViewer(); });
+  const zoomButton = (text, title, action) => h("button", { type: "button", title, onclick: action }, text);
+  return h("div", { class: "controls" }, viewerParts.cases.element, viewerParts.kind.element, viewerParts.pickers,
+    h("div", { class: "choice" }, h("span", { class: "caption" }, "Zoom ", viewerParts.zoom), zoomButton("+", "Closer (+)", () => zoomAt(1.5, 0.5, 0.5)),
+      zoomButton(MINUS, "Farther (-)", () => zoomAt(1 / 1.5, 0.5, 0.5)), zoomButton("Fit", "Whole picture (0)", resetPlace)));
+}
+
+function viewer() {
+  if (!cases.some((c) => c.runs.length > 0)) return null;
+  viewerState.c = cases.find((c) => c.runs.length > 0);
+  viewerParts.zoom = h("output", {}, "");
+  viewerParts.pickers = h("div", { class: "pickers" });
+  viewerParts.handle = h("div", { class: "handle", role: "slider", tabindex: "0", "aria-valuemin": 0, "aria-valuemax": 100, onkeydown: onHandleKey }, h("i", {}));
+  viewerParts.large = pane([], true);
+  viewerParts.large.classList.add("large");
+  viewerParts.links = h("span", { class: "links" });
+  viewerParts.bar = h("div", { class: "viewer-bar" });
+  viewerParts.tiles = h("div", { class: "tiles" });
+  viewerParts.root = h("div", { class: "viewer panel", id: "viewer" });
+  append(viewerParts.root, [viewerControls(), h("div", { class: "stage" }, h("div", { class: "compare" }, viewerParts.large,
+    h("p", { class: "hint" }, viewerParts.links, h("br", {}), "Drag the divider; click, then wheel to zoom and drag to pan; keys + \u2212 0 and arrows; double-click fits.")),
+    h("div", { class: "beside" }, viewerParts.tiles, viewerParts.bar))]);
+  setSplit(50);
+  showViewer();
+  return viewerParts.root;
+}

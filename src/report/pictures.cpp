@@ -1,0 +1,149 @@
+#include "report/pictures.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/image.h"
+#include "core/image_io.h"
+#include "core/parallel.h"
+#include "report/embed_text.h"
+
+namespace truescatter {
+namespace {
+
+using nlohmann::json;
+
+void add_path(const json& value, const std::filesystem::path& results_file, std::vector<std::string>& paths) {
+  if (!value.is_string()) return;
+  const std::string path = value.get<std::string>();
+  const std::filesystem::path parts(path);
+  const bool leaves = parts.is_absolute() || std::find(parts.begin(), parts.end(), "..") != parts.end();
+  if (leaves) throw_input_error({results_file.string()}, "the picture '{}' lies outside of the results' folder", path);
+  if (std::find(paths.begin(), paths.end(), path) == paths.end()) paths.push_back(path);
+}
+
+// How much of each source pixel a target pixel covers along one axis: `first`, and one weight per pixel.
+struct Coverage {
+  int first = 0;
+  std::vector<float> weight;
+};
+
+std::vector<Coverage> coverage_of(int source, int target) {
+  const double step = static_cast<double>(source) / target;
+  std::vector<Coverage> rows(static_cast<std::size_t>(target));
+  for (int i = 0; i < target; ++i) {
+    const double low = i * step;
+    const double high = std::min((i + 1) * step, static_cast<double>(source));
+    Coverage& row = rows[static_cast<std::size_t>(i)];
+    row.first = static_cast<int>(low);
+    for (int k = row.first; k < source && k < high; ++k) {
+      row.weight.push_back(static_cast<float>((std::min(high, k + 1.0) - std::max(low, k + 0.0)) / step));
+    }
+  }
+  return rows;
+}
+
+Image scaled_columns(const Image& image, int width) {
+  const std::vector<Coverage> coverage = coverage_of(image.width(), width);
+  Image result(width, image.height(), image.channels());
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < width; ++x) {
+      const Coverage& from = coverage[static_cast<std::size_t>(x)];
+      for (std::size_t k = 0; k < from.weight.size(); ++k) {
+        for (int c = 0; c < image.channels(); ++c) {
+          result.at(x, y, c) += from.weight[k] * image.at(from.first + static_cast<int>(k), y, c);
+        }
+      }
+    }
+  }
+  return result;
+}
+
+Image scaled_rows(const Image& image, int height) {
+  const std::vector<Coverage> coverage = coverage_of(image.height(), height);
+  Image result(image.width(), height, image.channels());
+  for (int y = 0; y < height; ++y) {
+    const Coverage& from = coverage[static_cast<std::size_t>(y)];
+    for (std::size_t k = 0; k < from.weight.size(); ++k) {
+      for (int x = 0; x < image.width(); ++x) {
+        for (int c = 0; c < image.channels(); ++c) {
+          result.at(x, y, c) += from.weight[k] * image.at(x, from.first + static_cast<int>(k), c);
+        }
+      }
+    }
+  }
+  return result;
+}
+
+// The file's bytes are sRGB-encoded; light adds up before that.
+Image scaled_down(Image image, int width) {
+  for (float& v : image.data()) v = static_cast<float>(srgb_decode(v));
+  const double ratio = static_cast<double>(width) / image.width();
+  const int height = std::max(1, static_cast<int>(std::lround(image.height() * ratio)));
+  Image result = scaled_rows(scaled_columns(image, width), height);
+  for (float& v : result.data()) v = static_cast<float>(srgb_encode(v));
+  return result;
+}
+
+std::string png_bytes(const Image& image, std::size_t index) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / fmt::format("truescatter-report-{}-{}.png", ::getpid(), index);
+  write_png(file, image);
+  std::string bytes = read_text_file(file);
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  return bytes;
+}
+
+struct Picture {
+  int width = 0;
+  int height = 0;
+  std::string uri;
+};
+
+Picture load_picture(const std::filesystem::path& file, std::size_t index, int max_width_px) {
+  const Image image = read_image(file);
+  Picture picture{image.width(), image.height(), "data:image/png;base64,"};
+  const bool keep = image.width() <= max_width_px && file.extension() == ".png";
+  picture.uri += base64(keep ? read_text_file(file)
+                             : png_bytes(scaled_down(image, std::min(image.width(), max_width_px)), index));
+  return picture;
+}
+
+}  // namespace
+
+std::vector<std::string> picture_paths(const json& results, const std::filesystem::path& results_file) {
+  std::vector<std::string> paths;
+  const auto add_group = [&](const char* group, const std::vector<const char*>& kinds) {
+    for (const json& item : results.value(group, json::array())) {
+      const json files = item.value("files", json::object());
+      for (const char* kind : kinds) add_path(files.value(kind, json()), results_file, paths);
+    }
+  };
+  add_group("views", {"irradiance"});
+  add_group("truths", {"picture"});
+  add_group("runs", {"picture", "magnitude", "signed"});
+  return paths;
+}
+
+json embedded_pictures(const std::filesystem::path& folder, const std::vector<std::string>& paths, int max_width_px) {
+  std::vector<Picture> pictures(paths.size());
+  parallel_for(paths.size(), [&](std::size_t i) { pictures[i] = load_picture(folder / paths[i], i, max_width_px); });
+  json result = {{"files", json::object()}, {"data", json::array()}};
+  std::map<std::string, std::size_t> known;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const auto [entry, is_new] = known.try_emplace(pictures[i].uri, known.size());
+    if (is_new) result["data"].push_back(pictures[i].uri);
+    result["files"][paths[i]] = {
+        {"data", entry->second}, {"width", pictures[i].width}, {"height", pictures[i].height}};
+  }
+  return result;
+}
+
+}  // namespace truescatter
