@@ -43,14 +43,14 @@ function grouped(text) {
   return fraction === undefined ? spaced : spaced + "." + fraction;
 }
 
-// Three significant digits, but never more than three decimals; a dash for what is no number.
+// Three significant digits, but never more than four decimals; a dash for what is no number.
 function number(value, signed = false) {
   if (!isNumber(value)) return EN_DASH;
   if (value === 0) return "0";
-  const size = Math.abs(value);
+  const size = Math.abs(value) < 1000 ? Number(Math.abs(value).toPrecision(3)) : Math.abs(value);
   const sign = value < 0 ? MINUS : signed ? "+" : "";
-  if (size < 0.0005) return sign ? sign + "<0.001" : "<0.001";
-  const decimals = Math.min(3, Math.max(0, 2 - Math.floor(Math.log10(size))));
+  if (size < 0.00005) return sign + "<0.0001";
+  const decimals = Math.min(4, Math.max(0, 2 - Math.floor(Math.log10(size))));
   return sign + grouped(size.toFixed(decimals));
 }
 
@@ -82,18 +82,20 @@ function listed(items) {
   return items.flatMap((item, i) => (i === 0 ? [item] : [i === items.length - 1 ? " and " : ", ", item]));
 }
 
-// One of several: a row of buttons that says which is on. `options`: [{value, text}].
+// One of several: a row of buttons that says which is on. `options`: [{value, text}]. `mark` shows a choice,
+// `show` makes it too.
 function choice(caption, options, value, onchange) {
   const buttons = options.map((option) =>
     h("button", { type: "button", "aria-pressed": String(option.value === value), onclick: () => pick(option.value) },
-      option.content || option.text));
+      option.text));
+  const mark = (chosen) => options.forEach((option, i) => buttons[i].setAttribute("aria-pressed", String(option.value === chosen)));
   function pick(chosen) {
-    options.forEach((option, i) => buttons[i].setAttribute("aria-pressed", String(option.value === chosen)));
+    mark(chosen);
     onchange(chosen);
   }
   const element = h("div", { class: "choice", role: "group", "aria-label": caption },
     h("span", { class: "caption" }, caption), buttons);
-  return { element, show: (chosen) => pick(chosen) };
+  return { element, mark, show: pick };
 }
 
 function section(id, title, lead, ...children) {

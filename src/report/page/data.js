@@ -92,8 +92,8 @@ const repeats = unique(runs.map((run) => lookUp(run, "cost.frame_ms.repeats").va
 function timingNote() {
   const renderer = provenance.gl_renderer || "an unknown renderer";
   const threads = isNumber(provenance.rasteriser_threads) ? `, ${plural(provenance.rasteriser_threads, "thread")}` : "";
-  const median = repeats.length ? ` Median of ${repeats.join("/")} frames; whiskers from least to most.` : "";
-  return `Times are of a ${isSoftware ? "software rasteriser" : "GPU"}: ${renderer}${threads}.${median}` +
+  const median = repeats.length ? `, median of ${repeats.join("/")} frames` : "";
+  return `Times are of a ${isSoftware ? "software rasteriser" : "GPU"}: ${renderer}${threads}${median}.` +
     (isSoftware ? " A GPU weighs taps, float formats and filtering differently." : "");
 }
 

@@ -1,6 +1,6 @@
 // Halo profiles: relative error against the distance to the nearest silhouette.
 
-const HALO = { width: 300, height: 196, left: 44, right: 8, top: 22, bottom: 38 };
+const HALO = { width: 300, height: 220, left: 44, right: 8, top: 22, bottom: 38 };
 const HALO_SIDES = [
   { path: "halo", title: "All silhouettes" }, { path: "halo.outer.near", title: "Outer, against the background" },
   { path: "halo.inner.near", title: "Inner, near side" }, { path: "halo.inner.far", title: "Inner, far side" }];
@@ -34,10 +34,17 @@ function linearTicks([low, high], wanted) {
   return ticks;
 }
 
+// Linear within about 1 %, logarithmic beyond: a halo of 40 % and one of 1 % are both to be seen.
+const haloScale = (value) => Math.asinh(value / HALO_WITHIN);
+
+function haloTicks([low, high]) {
+  const sizes = [1, 3, 10, 30, 100, 300, 1000];
+  return [...sizes.map((tick) => -tick), 0, ...sizes].filter((tick) => tick >= low && tick <= high);
+}
+
 function haloRange(c, channel) {
   const all = HALO_SIDES.flatMap((side) => c.runs.flatMap((run) => haloPoints(run, side, channel))).filter(Boolean).map((p) => p.y);
-  const low = Math.min(-1.5, ...all), high = Math.max(1.5, ...all), pad = 0.06 * (high - low);
-  return [low - pad, high + pad];
+  return [1.15 * Math.min(-1.6, ...all), 1.15 * Math.max(1.6, ...all)];
 }
 
 const signedText = (value) => (value < 0 ? MINUS + Math.abs(value) : value > 0 ? "+" + value : "0");
@@ -46,10 +53,10 @@ function haloAxes(x, y, yRange, xMax, widest, frame) {
   const marks = [1, 3, 6].filter((m) => m * widest <= xMax * 1.001);
   return s("g", { class: "axes" },
     s("rect", { class: "within", x: frame.left, width: frame.right - frame.left, y: y(HALO_WITHIN), height: y(-HALO_WITHIN) - y(HALO_WITHIN) }),
-    linearTicks(yRange, 5).map((tick) => [s("line", { class: tick === 0 ? "zero" : "grid", x1: frame.left, x2: frame.right, y1: y(tick), y2: y(tick) }),
+    haloTicks(yRange).map((tick) => [s("line", { class: tick === 0 ? "zero" : "grid", x1: frame.left, x2: frame.right, y1: y(tick), y2: y(tick) }),
       s("text", { x: frame.left - 6, y: y(tick) + 4, "text-anchor": "end" }, signedText(tick))]),
     marks.map((m) => [s("line", { class: "mark", x1: x(m * widest), x2: x(m * widest), y1: frame.top, y2: frame.bottom }),
-      s("text", { class: "note", x: x(m * widest) - (m === 6 ? 3 : 0), y: frame.top - 4 + (m === 6 ? 0 : 0), "text-anchor": m === 6 ? "end" : "middle" }, (m === 1 ? "" : m) + "s")]),
+      s("text", { class: "note", x: x(m * widest) - (m === 6 ? 3 : 0), y: frame.top - 5, "text-anchor": m === 6 ? "end" : "middle" }, (m === 1 ? "" : m) + "s")]),
     linearTicks([0, xMax], 5).map((tick) => s("text", { x: x(tick), y: frame.bottom + 15, "text-anchor": "middle" }, String(tick))),
     s("text", { class: "label", x: (frame.left + frame.right) / 2, y: HALO.height - 4, "text-anchor": "middle" }, "\u03b4, mm from the silhouette"));
 }
@@ -74,7 +81,7 @@ function haloChart(c, side, channel, yRange) {
   const widest = profileOf(c.profile).widest_std_dev_mm;
   const xMax = Math.max(6 * (widest || 0), ...lines.flatMap((line) => line.points.filter(Boolean).map((p) => p.x)));
   const x = (v) => frame.left + (frame.right - frame.left) * v / xMax;
-  const y = (v) => frame.bottom - (frame.bottom - frame.top) * (v - yRange[0]) / (yRange[1] - yRange[0]);
+  const y = (v) => frame.bottom - (frame.bottom - frame.top) * (haloScale(v) - haloScale(yRange[0])) / (haloScale(yRange[1]) - haloScale(yRange[0]));
   return s("svg", { class: "chart", viewBox: `0 0 ${HALO.width} ${HALO.height}`, role: "img", "aria-label": `${side.title}, ${caseName(c)}` },
     haloAxes(x, y, yRange, xMax, widest, frame),
     lines.map(({ run, points }) => s("path", { class: "line", d: linePath(points, x, y), stroke: styleOf(run.label).colour,
@@ -99,7 +106,7 @@ function haloSection() {
   return section("halos", "Halos at silhouettes",
     ["Relative error, in %, of each bin of the distance \u03b4 to the nearest contour: sum(test \u2212 truth) / sum(truth). " +
       "s is the profile\u2019s widest standard deviation; the band is \u00b11 %, beyond which the halo\u2019s width is counted; " +
-      "px: skin pixels within 3s. One vertical axis per row."],
+      "px: skin pixels within 3s. One vertical axis per row, linear within the band and logarithmic beyond."],
     h("div", { class: "controls" }, channel.element, legend()), rows);
 }
 

@@ -89,6 +89,6 @@ function pictureSection() {
   return section("pictures", "Pictures",
     ["Truth and every method, least error first: rendered, |error|, signed error (test \u2212 truth; orange: too bright, blue: too dark), of " +
       `${maps.quantity || "luminance"}. One colour range, ${isNumber(maps.range) ? `\u00b1${maps.range}` : "fixed"}, for every map of the run. ` +
-      "Below: RMSE relative to the truth. Click a picture to look closely."],
+      "The percentage is the RMSE relative to the truth\u2019s RMS. Click a picture to look closely."],
     viewer(), h("div", {}, cases.map(sheet)));
 }

@@ -1,9 +1,9 @@
 // Puts the page together.
 
-const SECTIONS = [["overview", "Overview"], ["speed", "Speed against accuracy"], ["metrics", "Metrics"], ["pictures", "Pictures"],
+const SECTIONS = [["overview", "Overview"], ["speed", "Speed against accuracy"], ["pictures", "Pictures"], ["metrics", "Metrics"],
   ["halos", "Halos"], ["what", "What was run"]];
 
 document.getElementById("head").append(...pageHead().filter(Boolean));
 document.getElementById("nav").append(...SECTIONS.map(([id, title]) => h("a", { href: "#" + id }, title)));
-append(document.getElementById("main"), [overview(), costSection(), tableSection(), pictureSection(), haloSection(), detailsSection()]);
+append(document.getElementById("main"), [overview(), costSection(), pictureSection(), tableSection(), haloSection(), detailsSection()]);
 document.documentElement.dataset.ready = "yes";

@@ -37,16 +37,17 @@ function marker(run, x, y) {
     fill: isDistinguishable(run) ? style.colour : "var(--panel)" });
 }
 
+// About as wide as the page's font sets it.
 const textWidth = (text, size = 12) => 0.6 * size * text.length;
 const overlap = (a, b) => a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
 
 // The first place around a point where its label covers nothing and stays inside; else the one on the right.
 function placeLabel(point, text, taken, frame) {
   const w = textWidth(text), places = [
-    { x: point.x + 10, y: point.y + 4, anchor: "start" }, { x: point.x - 10, y: point.y + 4, anchor: "end" },
-    { x: point.x, y: point.y - 11, anchor: "middle" }, { x: point.x, y: point.y + 20, anchor: "middle" },
-    { x: point.x + 8, y: point.y - 9, anchor: "start" }, { x: point.x + 8, y: point.y + 18, anchor: "start" },
-    { x: point.x - 8, y: point.y - 9, anchor: "end" }, { x: point.x - 8, y: point.y + 18, anchor: "end" }];
+    { x: point.x + 7, y: point.y - 9, anchor: "start" }, { x: point.x - 8, y: point.y + 18, anchor: "end" },
+    { x: point.x, y: point.y + 20, anchor: "middle" }, { x: point.x - 11, y: point.y + 4, anchor: "end" },
+    { x: point.x + 8, y: point.y + 18, anchor: "start" }, { x: point.x + 11, y: point.y + 4, anchor: "start" },
+    { x: point.x - 8, y: point.y - 9, anchor: "end" }, { x: point.x, y: point.y - 11, anchor: "middle" }];
   const box = (place) => ({ x: place.x - (place.anchor === "end" ? w : place.anchor === "middle" ? w / 2 : 0), y: place.y - 11, w, h: 14 });
   const fits = (place) => {
     const b = box(place);
@@ -95,19 +96,32 @@ function whisker(run, x, y) {
   return s("path", { class: "whisker", stroke: styleOf(run.label).colour, d: `M${x(spread)},${y - 4}v8m0,-4H${x(most)}m0,-4v8` });
 }
 
-function baselineMark(run, y, frame, taken) {
-  const at = y(100 * relativeError(run)), text = `${run.label}: ${percent(relativeError(run))}, no pass`;
-  const above = at - 18 > frame.top;
-  taken.push({ x: frame.right - textWidth(text, 11) - 8, y: above ? at - 16 : at + 4, w: textWidth(text, 11) + 8, h: 14 });
-  return s("g", {}, s("line", { class: "baseline", x1: frame.left, x2: frame.right, y1: at, y2: at }),
-    s("text", { class: "note", x: frame.right - 6, y: above ? at - 5 : at + 14, "text-anchor": "end" }, text));
+// The front's own lines, as thin boxes that no label should cover.
+function frontBoxes(front, x, y, frame) {
+  return front.flatMap((point, i) => {
+    const px = point.cost > 0 ? x(point.cost) : frame.left, py = y(point.error), next = front[i + 1];
+    const right = next ? x(next.cost) : frame.right;
+    return [{ x: px, y: py - 1, w: right - px, h: 2 }, ...(next ? [{ x: right - 1, y: py, w: 2, h: y(next.error) - py }] : [])];
+  });
 }
 
-function thresholdMark(y, frame) {
+function baselineMark(run, y, frame, taken) {
+  const at = y(100 * relativeError(run)), text = `${run.label}: ${percent(relativeError(run))}, no pass`, w = textWidth(text, 11);
+  const places = [[frame.right - 6, -5], [frame.right - 6, 14], [frame.left + 50 + w, -5], [frame.left + 50 + w, 14]];
+  const box = ([right, dy]) => ({ x: right - w, y: at + dy - 11, w, h: 14 });
+  const fits = (place) => box(place).y > frame.top && !taken.some((other) => overlap(box(place), other));
+  const place = places.find(fits) || places[0];
+  taken.push(box(place));
+  return s("g", {}, s("line", { class: "baseline", x1: frame.left, x2: frame.right, y1: at, y2: at }),
+    s("text", { class: "note", x: place[0], y: at + place[1], "text-anchor": "end" }, text));
+}
+
+function thresholdMark(y, frame, taken) {
   const value = 100 * summaryState.threshold;
   if (!y.inside(value)) return null;
+  taken.push({ x: frame.left, y: y(value) - 16, w: 40, h: 14 });
   return s("g", {}, s("line", { class: "threshold", x1: frame.left, x2: frame.right, y1: y(value), y2: y(value) }),
-    s("text", { class: "note", x: frame.left + 6, y: y(value) - 4 }, `${number(value)} %`));
+    s("text", { class: "note", x: frame.left + 6, y: y(value) - 4 }, `${Number(value.toPrecision(4))} %`));
 }
 
 // `axis`: {cost(run), label, domain, whiskers}.
@@ -117,13 +131,15 @@ function scatterChart(c, axis, yDomain) {
   const shown = costed(c).filter((run) => isNumber(axis.cost(run)) && relativeError(run) > 0);
   const points = shown.map((run) => ({ run, cost: isFree(run) ? 0 : axis.cost(run), error: 100 * relativeError(run) }));
   const paid = points.filter((p) => p.cost > 0).map((p) => ({ ...p, x: x(p.cost), y: y(p.error) }));
+  const front = paretoFront(points);
   const taken = paid.map((p) => ({ x: p.x - 8, y: p.y - 8, w: 16, h: 16 }));
   const chart = s("svg", { class: "chart", viewBox: `0 0 ${SCATTER.width} ${SCATTER.height}`, role: "img",
     "aria-label": `${axis.label} against relative RMSE, ${caseName(c)}` },
     axes(x, y, axis.domain, yDomain, frame, axis.label, "RMSE / RMS of truth, %"),
-    thresholdMark(y, frame),
+    thresholdMark(y, frame, taken),
     points.filter((p) => p.cost === 0).map((p) => baselineMark(p.run, y, frame, taken)),
-    s("path", { class: "front", d: frontPath(paretoFront(points), x, y, frame) }));
+    s("path", { class: "front", d: frontPath(front, x, y, frame) }));
+  taken.push(...frontBoxes(front, x, y, frame));
   for (const p of paid) append(chart, [axis.whiskers && whisker(p.run, x, p.y), marker(p.run, p.x, p.y)]);
   for (const p of paid) {
     const text = p.run.label + (isDistinguishable(p.run) ? "" : " (not distinguishable)");
@@ -147,6 +163,6 @@ function costCharts() {
 
 function costSection() {
   return section("speed", "Speed against accuracy",
-    [timingNote(), " The line is the Pareto front: nothing below and to the left of it. Left by time, right by fetches, " +
+    [timingNote(), " Whiskers run from the least to the most. The line is the Pareto front: nothing below and to the left of it. Left by time, right by fetches, " +
       "which do not depend on the rasteriser; same axes everywhere."], costCharts());
 }

@@ -84,7 +84,7 @@ function cheapest(c, threshold) {
 }
 
 function cheapestSentence() {
-  const input = h("input", { type: "number", min: 0.1, step: 0.1, value: number(100 * summaryState.threshold),
+  const input = h("input", { type: "number", min: 0.1, step: 0.1, value: String(Number((100 * summaryState.threshold).toPrecision(4))),
     "aria-label": "Largest error, in percent", onchange: (event) => setThreshold(event.target.value / 100) });
   const winners = tally((c) => cheapest(c, summaryState.threshold));
   const none = cases.filter((c) => !cheapest(c, summaryState.threshold)).map(caseName);

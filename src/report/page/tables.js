@@ -1,6 +1,7 @@
 // The table of metrics and costs of each case.
 
-// value(run, channel) -> {value, reason}; `low`: what is best is the least magnitude; `paid`: free runs do not compete.
+// get(run, channel) -> {value, reason}. The best is the least magnitude; `paid`: runs without a pass do not compete;
+// `ranks: false`: values of different methods are not to be held against each other.
 const metric = (path) => (run, channel) => lookUp(channelOf(run.metrics, channel), path);
 const cost = (path) => (run) => lookUp(run, "cost." + path);
 const inUnits = (get) => (run, channel) => { const found = get(run, channel); return { ...found, value: inErrorUnits(found.value) }; };
@@ -17,7 +18,7 @@ const flip = (run, channel) => (channel === "luminance" ? lookUp(run.metrics, "f
 const COLUMNS = [
   { group: "Headline", name: "rel. RMSE", unit: "%", get: inPercent(metric("rel_rmse")), bar: true, help: "rel_rmse: RMSE / RMS of the truth over skin pixels; RMS = sqrt((1/n) sum truth\u00b2)" },
   { group: "RMSE", name: "headline", unit: errorUnit, get: inUnits(metric("rmse")), help: "rmse: sqrt((1/n) sum e\u00b2) against the headline target, e = test \u2212 truth" },
-  { group: "RMSE", name: "own target", unit: errorUnit, get: ownError, help: "The same against the integral that the method itself aims at: the filter\u2019s error. What the headline RMSE has beyond it is the model\u2019s." },
+  { group: "RMSE", name: "own", unit: errorUnit, get: ownError, ranks: false, help: "The same against the integral that the method itself aims at: the filter\u2019s error. What the headline RMSE has beyond it is the model\u2019s." },
   { group: "Error", name: "MAE", unit: errorUnit, get: inUnits(metric("mae")), help: "mae: (1/n) sum |e|" },
   { group: "Error", name: "bias", unit: errorUnit, get: inUnits(metric("bias")), signed: true, help: "bias: (1/n) sum e; + is too bright" },
   { group: "Error", name: "p50", unit: errorUnit, get: inUnits(metric("p50")), help: "p50: median of |e|" },
@@ -28,15 +29,16 @@ const COLUMNS = [
   { group: "Halo", name: "peak", unit: "%", get: inPercent(metric("halo.peak")), help: "halo.peak: largest |relative error| of a bin of \u03b4; of a bin: sum(test \u2212 truth) / sum(truth)" },
   { group: "Halo", name: "width", unit: "mm", get: metric("halo.width_mm"), help: "halo.width_mm: smallest \u03b4 beyond which every bin up to 6s is within 1 %" },
   { group: "Halo", name: "energy", unit: "%", get: inPercent(metric("halo.energy")), help: "halo.energy: sum |e| within 3s of a silhouette / sum truth there" },
-  { group: "Halo", name: "contrast", unit: "", get: metric("halo.contrast"), help: "halo.contrast: RMSE within 3s / RMSE beyond 6s" },
+  { group: "Halo", name: "contrast", unit: "", get: metric("halo.contrast"), ranks: false, help: "halo.contrast: RMSE within 3s / RMSE beyond 6s" },
   { group: "Cost", name: "frame", unit: "ms", get: cost("frame_ms.median"), paid: true, spread: true, help: "frame_ms: every pass that the method adds to the shared G-buffer; median [least..most]" },
   { group: "Cost", name: "set-up", unit: "ms", get: cost("setup_ms"), paid: true, help: "setup_ms: once, not per frame" },
-  { group: "Cost", name: "passes", unit: "", get: cost("passes"), paid: true, help: "Draws per frame" },
+  { group: "Cost", name: "passes", unit: "", get: cost("passes"), paid: true, format: count, help: "Draws per frame" },
   { group: "Cost", name: "fetches", unit: "/px", get: cost("fetches_per_pixel"), paid: true, help: "Texture fetches per skin pixel, counted by an instrumented, untimed run" },
-  { group: "Cost", name: "bytes", unit: "/px", get: cost("bytes_per_pixel"), paid: true, help: "Stored texels read per skin pixel, in bytes; no cache model" }];
+  { group: "Cost", name: "bytes", unit: "/px", get: cost("bytes_per_pixel"), paid: true, format: count, help: "Stored texels read per skin pixel, in bytes; no cache model" }];
 
 // The best of a column among a case's runs; nothing where there is no contest.
 function bestOf(column, caseRuns, channel) {
+  if (column.ranks === false) return null;
   const values = caseRuns.filter((run) => !(column.paid && isFree(run))).map((run) => column.get(run, channel).value).filter(isNumber).map(Math.abs);
   return values.length > 1 ? Math.min(...values) : null;
 }
@@ -68,7 +70,7 @@ function tableRows(c, channel) {
   const ordered = [...c.runs].sort(byError);
   const columns = COLUMNS.map((column) => {
     const found = ordered.map((run) => column.get(run, channel));
-    const texts = found.map((f) => number(f.value, column.signed));
+    const texts = found.map((f) => (column.format || number)(f.value, column.signed));
     const most = Math.max(0, ...texts.map(decimalsOf));
     return { column, found, texts: texts.map((t) => (t === EN_DASH ? t : aligned(t, most))), best: bestOf(column, ordered, channel),
       largest: Math.max(1e-12, ...found.map((f) => f.value || 0)) };
@@ -108,7 +110,7 @@ function measuredNote(c) {
 }
 
 function definitions() {
-  const entries = COLUMNS.map((column) => [column.group === "Halo" ? "halo " + column.name : column.group === "RMSE" ? "RMSE, " + column.name : column.name, column.help.replace(/^[a-z_0-9.]+: /, "")]);
+  const entries = COLUMNS.map((column) => [column.group === "Halo" ? "halo " + column.name : column.group === "RMSE" ? `RMSE, ${column.name}` : column.name, column.help.replace(/^[a-z_0-9.]+: /, "")]);
   return h("div", { class: "definitions" }, h("h3", {}, "How to read the columns"),
     h("dl", {}, entries.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text)))));
 }

@@ -1,6 +1,6 @@
 // The viewer: a large comparison with a slider, and all methods beside it, zoomed and panned as one.
 
-const viewerState = { c: cases[0], kind: "magnitude", left: "truth", right: null, split: 50, zoom: 1, x: 0, y: 0 };
+const viewerState = { c: cases[0], kind: "magnitude", compareKind: "picture", left: "truth", right: null, split: 50, zoom: 1, x: 0, y: 0 };
 const viewerParts = {};
 
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
@@ -95,11 +95,11 @@ const sourceName = (source, kind) => source === "truth" ? "truth" : source === "
   : source + (kind === "picture" ? "" : kind === "magnitude" ? ", |error|" : ", signed error");
 
 function fullSizeLink(shown) {
-  return shown.path ? h("a", { href: linkTo(shown.path), title: "The full-size file in maps/" }, "full size") : null;
+  return shown.path ? h("a", { href: linkTo(shown.path), title: "The full-size file in maps/" }, "\u2197") : null;
 }
 
 function comparison() {
-  const { c, kind, left, right } = viewerState;
+  const { c, compareKind: kind, left, right } = viewerState;
   const a = pictureOf(c, left, kind), b = pictureOf(c, right, kind);
   viewerParts.large.style.aspectRatio = viewAspect(c);
   viewerParts.handle.setAttribute("aria-label", "Divide between the two pictures");
@@ -144,6 +144,7 @@ function showViewer() {
   if (!known.includes(viewerState.right)) viewerState.right = ([...viewerState.c.runs].sort(byError).find((run) => !isFree(run)) || {}).label || known[0];
   if (!known.includes(viewerState.left) && viewerState.left !== "irradiance") viewerState.left = "truth";
   viewerParts.pickers.replaceChildren(selector("Left", "left", true), selector("Right", "right", false));
+  viewerParts.facts.replaceChildren(...chosenFacts());
   comparison();
   showTiles();
   placePanes();
@@ -152,19 +153,45 @@ function showViewer() {
 function openViewer(c, source, kind) {
   if (c.runs.some((run) => run.label === source)) viewerState.right = source;
   viewerState.c = c;
+  viewerParts.compareKind.show(kind === "irradiance" ? "picture" : kind);
   viewerParts.kind.show(kind);
-  if (viewerParts.cases) viewerParts.cases.show(c.key);
+  for (const which of ["view", "profile"]) viewerParts[which].mark(c[which]);
   viewerParts.root.scrollIntoView({ behavior: "smooth", block: "start" });
 }
 
+// Another view or profile; where the pair was not run, the nearest case that was.
+function chooseCase(which, value) {
+  const wanted = { ...viewerState.c, [which]: value };
+  viewerState.c = cases.find((c) => c.view === wanted.view && c.profile === wanted.profile) || cases.find((c) => c[which] === value);
+  for (const other of ["view", "profile"]) viewerParts[other].mark(viewerState.c[other]);
+  showViewer();
+}
+
+function caseChoice(caption, which, title) {
+  const options = unique(cases.map((c) => c[which])).map((value) => ({ value, text: title(value) }));
+  return choice(caption, options, viewerState.c[which], (value) => chooseCase(which, value));
+}
+
 function viewerControls() {
-  viewerParts.cases = choice("Case", cases.map((c) => ({ value: c.key, text: caseName(c) || c.view })), viewerState.c.key,
-    (key) => { viewerState.c = cases.find((c) => c.key === key); showViewer(); });
-  viewerParts.kind = choice("Show", KINDS, viewerState.kind, (kind) => { viewerState.kind = kind; showViewer(); });
+  viewerParts.view = caseChoice("View", "view", (name) => name);
+  viewerParts.profile = caseChoice("Profile", "profile", profileTitle);
   const zoomButton = (text, title, action) => h("button", { type: "button", title, onclick: action }, text);
-  return h("div", { class: "controls" }, viewerParts.cases.element, viewerParts.kind.element, viewerParts.pickers,
+  return h("div", { class: "controls" }, viewerParts.view.element, viewerParts.profile.element,
     h("div", { class: "choice" }, h("span", { class: "caption" }, "Zoom ", viewerParts.zoom), zoomButton("+", "Closer (+)", () => zoomAt(1.5, 0.5, 0.5)),
       zoomButton(MINUS, "Farther (-)", () => zoomAt(1 / 1.5, 0.5, 0.5)), zoomButton("Fit", "Whole picture (0)", resetPlace)));
+}
+
+// What the chosen method's error and cost are, below the tiles.
+function chosenFacts() {
+  const run = viewerState.c.runs.find((r) => r.label === viewerState.right);
+  if (!run) return [];
+  const value = (path) => lookUp(run, path).value;
+  return [h("h4", {}, methodName(run.label), h("span", { class: "muted" }, " " + (run.title || ""))), facts([
+    ["RMSE / RMS of truth", isDistinguishable(run) ? percent(relativeError(run)) : "not distinguishable from the truth"],
+    ["p99 of |error|", scientific(value("metrics.p99"))], ["FLIP, mean", number(value("metrics.flip"))],
+    ["Halo peak, width", `${percent(value("metrics.halo.peak"))}, ${isNumber(value("metrics.halo.width_mm")) ? number(value("metrics.halo.width_mm")) + " mm" : EN_DASH}`],
+    ["Frame time", isFree(run) ? "no pass" : `${number(frameMs(run))} ms, ${isSoftware ? "software rasteriser" : "GPU"}`],
+    ["Settings", settingsText(run.settings)]])];
 }
 
 function viewer() {
@@ -179,9 +206,13 @@ function viewer() {
   viewerParts.bar = h("div", { class: "viewer-bar" });
   viewerParts.tiles = h("div", { class: "tiles" });
   viewerParts.root = h("div", { class: "viewer panel", id: "viewer" });
-  append(viewerParts.root, [viewerControls(), h("div", { class: "stage" }, h("div", { class: "compare" }, viewerParts.large,
+  viewerParts.facts = h("div", { class: "chosen-facts" });
+  viewerParts.compareKind = choice("as", KINDS.slice(0, 3), viewerState.compareKind, (kind) => { viewerState.compareKind = kind; showViewer(); });
+  viewerParts.kind = choice("All methods", KINDS, viewerState.kind, (kind) => { viewerState.kind = kind; showViewer(); });
+  append(viewerParts.root, [viewerControls(), h("div", { class: "stage" }, h("div", { class: "compare" },
+    h("div", { class: "controls" }, viewerParts.pickers, viewerParts.compareKind.element), viewerParts.large,
     h("p", { class: "hint" }, viewerParts.links, h("br", {}), "Drag the divider; click, then wheel to zoom and drag to pan; keys + \u2212 0 and arrows; double-click fits.")),
-    h("div", { class: "beside" }, viewerParts.tiles, viewerParts.bar))]);
+    h("div", { class: "beside" }, h("div", { class: "controls" }, viewerParts.kind.element), viewerParts.tiles, viewerParts.bar, viewerParts.facts))]);
   setSplit(50);
   showViewer();
   return viewerParts.root;
