@@ -24,7 +24,8 @@ void add_path(const json& value, const std::filesystem::path& results_file, std:
   const std::string path = value.get<std::string>();
   const std::filesystem::path parts(path);
   const bool leaves = parts.is_absolute() || std::find(parts.begin(), parts.end(), "..") != parts.end();
-  if (leaves) throw_input_error({results_file.string()}, "the picture '{}' lies outside of the results' folder", path);
+  if (leaves)
+    throw_input_error({results_file.string()}, "the picture '{}' lies outside of the results' folder", path);
   if (std::find(paths.begin(), paths.end(), path) == paths.end()) paths.push_back(path);
 }
 
@@ -132,9 +133,11 @@ std::vector<std::string> picture_paths(const json& results, const std::filesyste
   return paths;
 }
 
-json embedded_pictures(const std::filesystem::path& folder, const std::vector<std::string>& paths, int max_width_px) {
+json embedded_pictures(const std::filesystem::path& folder, const std::vector<std::string>& paths,
+                       int max_width_px) {
   std::vector<Picture> pictures(paths.size());
-  parallel_for(paths.size(), [&](std::size_t i) { pictures[i] = load_picture(folder / paths[i], i, max_width_px); });
+  parallel_for(paths.size(),
+               [&](std::size_t i) { pictures[i] = load_picture(folder / paths[i], i, max_width_px); });
   json result = {{"files", json::object()}, {"data", json::array()}};
   std::map<std::string, std::size_t> known;
   for (std::size_t i = 0; i < paths.size(); ++i) {

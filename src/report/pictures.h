@@ -1,21 +1,21 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 namespace truescatter {
 
 // The pictures that a results.json names (irradiance, truths, results, error maps), relative to its folder,
 // each once, in the order in which they are named. Throws Error (input), naming `results`, for a path that
 // leaves the folder.
-std::vector<std::string> picture_paths(const nlohmann::json& results, const std::filesystem::path& results_file);
+std::vector<std::string> picture_paths(const nlohmann::json& results,
+                                       const std::filesystem::path& results_file);
 
-// {"files": {path: {"data": index, "width": w, "height": h}}, "data": [data URIs]}; the sizes are those of the
-// file on disk. Pictures wider than `max_width_px` are scaled down by an area average of linear light; equal
-// pictures are held once. Throws Error (input) that names a file which is missing or is no picture.
+// {"files": {path: {"data": index, "width": w, "height": h}}, "data": [data URIs]}; the sizes are those of
+// the file on disk. Pictures wider than `max_width_px` are scaled down by an area average of linear light;
+// equal pictures are held once. Throws Error (input) that names a file which is missing or is no picture.
 nlohmann::json embedded_pictures(const std::filesystem::path& folder, const std::vector<std::string>& paths,
                                  int max_width_px);
 

@@ -28,7 +28,8 @@ json read_results(const std::filesystem::path& file) {
   }
   const json schema = results.is_object() ? results.value("schema", json()) : json();
   if (schema != kKnownSchema) {
-    throw_input_error({file.string()}, "the schema is {}; this version knows \"{}\"", schema.dump(), kKnownSchema);
+    throw_input_error({file.string()}, "the schema is {}; this version knows \"{}\"", schema.dump(),
+                      kKnownSchema);
   }
   return results;
 }
@@ -50,7 +51,8 @@ void write_report(const std::filesystem::path& folder) {
                     make_page({html_escaped(title_of(results)), script_block_json(results.dump()),
                                script_block_json(pictures.dump())}));
   } catch (const json::exception& problem) {
-    throw_input_error({file.string()}, "the results are not laid out as their schema says: {}", problem.what());
+    throw_input_error({file.string()}, "the results are not laid out as their schema says: {}",
+                      problem.what());
   }
 }
 

@@ -6,9 +6,8 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <string>
-
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -24,9 +23,9 @@ using nlohmann::json;
 constexpr const char* kHostileName = R"(a <b> & "c" 'd' </script><!-- {{scripts}} )";
 
 json error_metrics(double scale) {
-  json metrics = {{"pixels", 12},        {"bias", -0.1 * scale}, {"mae", 0.5 * scale}, {"rmse", scale},
-                  {"rel_rmse", 2.0 * scale}, {"p50", 0.3 * scale},  {"p95", 2.0 * scale}, {"p99", 3.0 * scale},
-                  {"max", 4.0 * scale}};
+  json metrics = {{"pixels", 12},       {"bias", -0.1 * scale},    {"mae", 0.5 * scale},
+                  {"rmse", scale},      {"rel_rmse", 2.0 * scale}, {"p50", 0.3 * scale},
+                  {"p95", 2.0 * scale}, {"p99", 3.0 * scale},      {"max", 4.0 * scale}};
   return metrics;
 }
 
@@ -68,59 +67,87 @@ json run(const std::string& label, double scale, int passes) {
           {"distinguishable", scale > 0.001},
           {"metrics", metrics(scale)},
           {"own_target",
-           {{"metric", "geodesic"}, {"normalised", true}, {"r_max_mm", nullptr}, {"truth", nullptr},
-            {"metrics", nullptr}, {"metrics_reason", "no geodesic truth"}}},
+           {{"metric", "geodesic"},
+            {"normalised", true},
+            {"r_max_mm", nullptr},
+            {"truth", nullptr},
+            {"metrics", nullptr},
+            {"metrics_reason", "no geodesic truth"}}},
           {"cost",
            {{"frame_ms", {{"median", 2.0}, {"min", 1.5}, {"max", 2.5}, {"repeats", 3}}},
-            {"setup_ms", 1.0}, {"passes", passes}, {"fetches_per_pixel", 13.0 * passes}, {"bytes_per_pixel", 208.0}}},
+            {"setup_ms", 1.0},
+            {"passes", passes},
+            {"fetches_per_pixel", 13.0 * passes},
+            {"bytes_per_pixel", 208.0}}},
           {"files",
-           {{"picture", stem + ".png"}, {"magnitude", stem + ".abs.png"}, {"signed", stem + ".signed.png"},
+           {{"picture", stem + ".png"},
+            {"magnitude", stem + ".abs.png"},
+            {"signed", stem + ".signed.png"},
             {"exr", stem + ".exr"}}}};
 }
 
 json sample_results() {
-  const json truth = {{"id", "front/skin/euclidean-normalised"},
-                      {"view", "front"},
-                      {"profile", "skin"},
-                      {"metric", "euclidean"},
-                      {"normalised", true},
-                      {"r_max_mm", nullptr},
-                      {"seconds", 1.0},
-                      {"points", 12},
-                      {"uncertainty", 3e-5},
-                      {"low_mass_pixels", 1},
-                      {"certificate",
-                       {{"audited", 12}, {"max_error", 1e-5}, {"tolerance", 1e-4}, {"tail_bound", 2e-5}, {"open_share_95", 0.2}}},
-                      {"files", {{"picture", "maps/front.skin.truth.png"}, {"exr", "maps/front.skin.truth.exr"}}}};
+  const json truth = {
+      {"id", "front/skin/euclidean-normalised"},
+      {"view", "front"},
+      {"profile", "skin"},
+      {"metric", "euclidean"},
+      {"normalised", true},
+      {"r_max_mm", nullptr},
+      {"seconds", 1.0},
+      {"points", 12},
+      {"uncertainty", 3e-5},
+      {"low_mass_pixels", 1},
+      {"certificate",
+       {{"audited", 12},
+        {"max_error", 1e-5},
+        {"tolerance", 1e-4},
+        {"tail_bound", 2e-5},
+        {"open_share_95", 0.2}}},
+      {"files", {{"picture", "maps/front.skin.truth.png"}, {"exr", "maps/front.skin.truth.exr"}}}};
   json skipped = run("texture-space", 0.1, 1);
   for (const char* key : {"metrics", "own_target", "cost", "files", "distinguishable"}) skipped.erase(key);
   skipped["skipped"] = "this method needs UVs, and the mesh has none";
-  return {{"schema", "truescatter-results-1"},
-          {"experiment", {{"name", kHostileName}, {"question", kHostileName}, {"expectation", ""}, {"source", ""}}},
-          {"scene",
-           {{"mesh", "plane"}, {"triangles", 2}, {"uv", nullptr}, {"largest_irradiance", 1.0},
-            {"irradiance_residual", {{"mean", 0.001}, {"p99", 0.01}, {"tolerance", 0.02}, {"floor_mm", 0.4}}}}},
-          {"profiles",
-           {{{"name", "skin"}, {"title", kHostileName}, {"widest_std_dev_mm", 0.25}, {"r_max_mm", nullptr},
-             {"gaussians", {{{"variance_mm2", {0.0625, 0.0625, 0.0625}}, {"weight", {1.0, 1.0, 1.0}}}}}}}},
-          {"views",
-           {{{"name", "front"}, {"width_px", 4}, {"height_px", 3}, {"skin_pixels", 12}, {"median_skin_depth_mm", 500.0},
-             {"mm_per_px", 0.3}, {"files", {{"irradiance", "maps/front.irradiance.png"}}}}}},
-          {"truths", {truth}},
-          {"runs", {run("none", 0.1, 0), run("blur", 0.05, 2), run("perfect", 1e-6, 3), skipped}},
-          {"maps", {{"range", 0.2}, {"quantity", "luminance"}, {"exposure", 1.0}}},
-          {"provenance", {{"version", "0.1.0"}, {"gl_renderer", "llvmpipe"}, {"rasteriser_threads", 2}}},
-          {"exceeded", {kHostileName}}};
+  return {
+      {"schema", "truescatter-results-1"},
+      {"experiment",
+       {{"name", kHostileName}, {"question", kHostileName}, {"expectation", ""}, {"source", ""}}},
+      {"scene",
+       {{"mesh", "plane"},
+        {"triangles", 2},
+        {"uv", nullptr},
+        {"largest_irradiance", 1.0},
+        {"irradiance_residual", {{"mean", 0.001}, {"p99", 0.01}, {"tolerance", 0.02}, {"floor_mm", 0.4}}}}},
+      {"profiles",
+       {{{"name", "skin"},
+         {"title", kHostileName},
+         {"widest_std_dev_mm", 0.25},
+         {"r_max_mm", nullptr},
+         {"gaussians", {{{"variance_mm2", {0.0625, 0.0625, 0.0625}}, {"weight", {1.0, 1.0, 1.0}}}}}}}},
+      {"views",
+       {{{"name", "front"},
+         {"width_px", 4},
+         {"height_px", 3},
+         {"skin_pixels", 12},
+         {"median_skin_depth_mm", 500.0},
+         {"mm_per_px", 0.3},
+         {"files", {{"irradiance", "maps/front.irradiance.png"}}}}}},
+      {"truths", {truth}},
+      {"runs", {run("none", 0.1, 0), run("blur", 0.05, 2), run("perfect", 1e-6, 3), skipped}},
+      {"maps", {{"range", 0.2}, {"quantity", "luminance"}, {"exposure", 1.0}}},
+      {"provenance", {{"version", "0.1.0"}, {"gl_renderer", "llvmpipe"}, {"rasteriser_threads", 2}}},
+      {"exceeded", {kHostileName}}};
 }
 
 const std::vector<std::string> kPictures = {
-    "front.irradiance",     "front.skin.truth",      "front.skin.none",        "front.skin.none.abs",
-    "front.skin.none.signed", "front.skin.blur",     "front.skin.blur.abs",    "front.skin.blur.signed",
-    "front.skin.perfect",   "front.skin.perfect.abs", "front.skin.perfect.signed"};
+    "front.irradiance",       "front.skin.truth",       "front.skin.none",          "front.skin.none.abs",
+    "front.skin.none.signed", "front.skin.blur",        "front.skin.blur.abs",      "front.skin.blur.signed",
+    "front.skin.perfect",     "front.skin.perfect.abs", "front.skin.perfect.signed"};
 
 std::size_t occurrences(const std::string& text, const std::string& part) {
   std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size()))
+    ++count;
   return count;
 }
 
@@ -128,8 +155,8 @@ class ReportTest : public testing::Test {
  protected:
   ReportTest() {
     const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = std::filesystem::temp_directory_path() / ("truescatter-report-test-" + std::to_string(::getpid()) + "-" +
-                                                        test + " <a & 'b' \"c\">");
+    folder_ = std::filesystem::temp_directory_path() /
+              ("truescatter-report-test-" + std::to_string(::getpid()) + "-" + test + " <a & 'b' \"c\">");
     std::filesystem::create_directories(folder_ / "maps");
   }
   ~ReportTest() override {
@@ -140,10 +167,13 @@ class ReportTest : public testing::Test {
   // Every picture differs from every other.
   void write_pictures(int width = 4, int height = 3) const {
     for (std::size_t i = 0; i < kPictures.size(); ++i) {
-      write_png(folder_ / "maps" / (kPictures[i] + ".png"), Image(width, height, 3, 0.05F * static_cast<float>(i)));
+      write_png(folder_ / "maps" / (kPictures[i] + ".png"),
+                Image(width, height, 3, 0.05F * static_cast<float>(i)));
     }
   }
-  void write_results(const json& results) const { write_text_file(folder_ / "results.json", results.dump(1)); }
+  void write_results(const json& results) const {
+    write_text_file(folder_ / "results.json", results.dump(1));
+  }
 
   std::string report() const {
     write_report(folder_);
@@ -195,7 +225,8 @@ TEST_F(ReportTest, HostileNamesStayText) {
   // The page's own four blocks: the error mark, results, pictures, scripts.
   EXPECT_EQ(occurrences(page, "</script>"), 4U);
   EXPECT_EQ(occurrences(page, "<!--"), 0U);
-  EXPECT_NE(page.find("<title>a &lt;b&gt; &amp; &quot;c&quot; &#39;d&#39; &lt;/script&gt;"), std::string::npos);
+  EXPECT_NE(page.find("<title>a &lt;b&gt; &amp; &quot;c&quot; &#39;d&#39; &lt;/script&gt;"),
+            std::string::npos);
   // A placeholder in the data is data.
   EXPECT_EQ(occurrences(page, "function write_report"), 0U);
   EXPECT_EQ(occurrences(page, "const results = JSON.parse"), 1U);
@@ -218,7 +249,8 @@ TEST_F(ReportTest, HoldsEqualPicturesOnce) {
   write_results(sample_results());
   const json pictures = block(report(), "pictures");
   EXPECT_EQ(pictures["data"].size(), kPictures.size() - 1);
-  EXPECT_EQ(pictures["files"]["maps/front.irradiance.png"]["data"], pictures["files"]["maps/front.skin.none.png"]["data"]);
+  EXPECT_EQ(pictures["files"]["maps/front.irradiance.png"]["data"],
+            pictures["files"]["maps/front.skin.none.png"]["data"]);
 }
 
 TEST_F(ReportTest, KeepsThePictureBytes) {
@@ -226,7 +258,8 @@ TEST_F(ReportTest, KeepsThePictureBytes) {
   write_results(sample_results());
   const json pictures = block(report(), "pictures");
   // A PNG begins with 89 50 4e 47 0d 0a 1a 0a, of which the first six bytes are "iVBORw0K" in base 64.
-  for (const json& uri : pictures["data"]) EXPECT_EQ(uri.get<std::string>().rfind("data:image/png;base64,iVBORw0K", 0), 0U);
+  for (const json& uri : pictures["data"])
+    EXPECT_EQ(uri.get<std::string>().rfind("data:image/png;base64,iVBORw0K", 0), 0U);
 }
 
 TEST_F(ReportTest, ScalesLargePicturesDown) {
@@ -235,7 +268,8 @@ TEST_F(ReportTest, ScalesLargePicturesDown) {
   const json pictures = block(report(), "pictures");
   EXPECT_EQ(pictures["files"]["maps/front.skin.truth.png"]["width"], 1280);
   EXPECT_EQ(pictures["files"]["maps/front.skin.truth.png"]["height"], 6);
-  // Bytes 16 to 23 of a PNG are its size, 640 = 0x280 and 3; bytes 18 to 23 are characters 24 to 31 in base 64.
+  // Bytes 16 to 23 of a PNG are its size, 640 = 0x280 and 3; bytes 18 to 23 are characters 24 to 31 in
+  // base 64.
   const std::string uri = pictures["data"][0];
   const std::size_t text = uri.find(',') + 1;
   EXPECT_EQ(uri.substr(text + 24, 8), "AoAAAAAD");

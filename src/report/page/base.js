@@ -17,9 +17,12 @@ function append(element, children) {
 function setAttributes(element, attributes) {
   for (const [name, value] of Object.entries(attributes || {})) {
     if (value === null || value === undefined || value === false) continue;
-    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
-    else if (name === "style") element.style.cssText = value;
-    else element.setAttribute(name, value === true ? "" : value);
+    if (name.startsWith("on"))
+      element.addEventListener(name.slice(2), value);
+    else if (name === "style")
+      element.style.cssText = value;
+    else
+      element.setAttribute(name, value === true ? "" : value);
   }
   return element;
 }
@@ -71,7 +74,7 @@ function scientific(value, digits = 2) {
   if (Math.abs(value) >= 0.01 && Math.abs(value) < 1000) return number(value);
   const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
   return (Number(mantissa) === 1 ? "" : mantissa.replace("-", MINUS) + NARROW_SPACE + TIMES + NARROW_SPACE) +
-    powerOfTen(Number(exponent));
+      powerOfTen(Number(exponent));
 }
 
 const unique = (values) => [...new Set(values)];
@@ -85,19 +88,23 @@ function listed(items) {
 // One of several: a row of buttons that says which is on. `options`: [{value, text}]. `mark` shows a choice,
 // `show` makes it too.
 function choice(caption, options, value, onchange) {
-  const buttons = options.map((option) =>
-    h("button", { type: "button", "aria-pressed": String(option.value === value), onclick: () => pick(option.value) },
-      option.text));
-  const mark = (chosen) => options.forEach((option, i) => buttons[i].setAttribute("aria-pressed", String(option.value === chosen)));
+  const buttons = options.map(
+      (option) => h(
+          "button",
+          {type: "button", "aria-pressed": String(option.value === value), onclick: () => pick(option.value)},
+          option.text));
+  const mark = (chosen) => options.forEach(
+      (option, i) => buttons[i].setAttribute("aria-pressed", String(option.value === chosen)));
   function pick(chosen) {
     mark(chosen);
     onchange(chosen);
   }
-  const element = h("div", { class: "choice", role: "group", "aria-label": caption },
-    h("span", { class: "caption" }, caption), buttons);
-  return { element, mark, show: pick };
+  const element =
+      h("div", {class: "choice", role: "group", "aria-label": caption},
+        h("span", {class: "caption"}, caption), buttons);
+  return {element, mark, show: pick};
 }
 
 function section(id, title, lead, ...children) {
-  return h("section", { id }, h("h2", {}, title), lead && h("p", { class: "lead" }, lead), children);
+  return h("section", {id}, h("h2", {}, title), lead && h("p", {class: "lead"}, lead), children);
 }

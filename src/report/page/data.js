@@ -10,8 +10,8 @@ const truths = list(results.truths);
 const runs = list(results.runs);
 const labels = unique(runs.map((run) => run.label));
 
-const profileOf = (name) => profiles.find((profile) => profile.name === name) || { name };
-const viewOf = (name) => views.find((view) => view.name === name) || { name };
+const profileOf = (name) => profiles.find((profile) => profile.name === name) || {name};
+const viewOf = (name) => views.find((view) => view.name === name) || {name};
 const profileTitle = (name) => profileOf(name).title || name;
 const headlineTruth = (run) => truths.find((truth) => truth.id === run.truth);
 
@@ -20,10 +20,11 @@ const cases = unique(runs.map((run) => JSON.stringify([run.view, run.profile])))
   const [view, profile] = JSON.parse(key);
   const all = runs.filter((run) => run.view === view && run.profile === profile);
   const caseRuns = all.filter((run) => run.metrics);
-  return { key, view, profile, all, runs: caseRuns, truth: all.map(headlineTruth).find((truth) => truth) };
+  return {key, view, profile, all, runs: caseRuns, truth: all.map(headlineTruth).find((truth) => truth)};
 });
 const caseName = (c) => (views.length > 1 || profiles.length < 2 ? c.view : "") +
-  (views.length > 1 && profiles.length > 1 ? " \u00b7 " : "") + (profiles.length > 1 ? profileTitle(c.profile) : "");
+    (views.length > 1 && profiles.length > 1 ? " \u00b7 " : "") +
+    (profiles.length > 1 ? profileTitle(c.profile) : "");
 
 // Colours that people with a colour-vision deficiency tell apart (after Okabe and Ito); beyond eight, the
 // marker's shape and the line's dashes change too. The baseline is grey.
@@ -32,23 +33,36 @@ const DASHES = ["", "6 3", "2 2", "8 3 2 3"];
 const coloured = labels.filter((label) => label !== "none");
 function styleOf(label) {
   const i = coloured.indexOf(label);
-  if (i < 0) return { colour: "var(--m-none)", shape: "circle", dash: "" };
+  if (i < 0) return {colour: "var(--m-none)", shape: "circle", dash: ""};
   const turn = Math.floor(i / 8) % SHAPES.length;
-  return { colour: `var(--m${i % 8})`, shape: SHAPES[turn], dash: DASHES[turn] };
+  return {colour: `var(--m${i % 8})`, shape: SHAPES[turn], dash: DASHES[turn]};
 }
 
+const SHAPE_PATHS = {
+  circle: "M-5,0a5,5 0 1,0 10,0a5,5 0 1,0 -10,0",
+  square: "M-4.5,-4.5h9v9h-9z",
+  triangle: "M0,-5.5L5.5,4.5H-5.5z",
+  diamond: "M0,-6L6,0L0,6L-6,0z"
+};
+
 function swatch(label) {
-  return h("span", { class: "swatch", style: `background:${styleOf(label).colour}` });
+  const style = styleOf(label);
+  return s(
+      "svg", {class: "swatch", viewBox: "-6 -6 12 12", "aria-hidden": "true"},
+      s("path", {d: SHAPE_PATHS[style.shape], fill: style.colour}));
 }
 
 function methodName(label) {
   const run = runs.find((r) => r.label === label) || {};
-  return h("span", { class: "method", title: [run.title, run.source].filter(Boolean).join(" \u2013 ") }, swatch(label), label);
+  return h(
+      "span", {class: "method", title: [run.title, run.source].filter(Boolean).join(" \u2013 ")},
+      swatch(label), label);
 }
 
 const CHANNELS = [
-  { value: "luminance", text: "Luminance" }, { value: "r", text: "Red" }, { value: "g", text: "Green" },
-  { value: "b", text: "Blue" }];
+  {value: "luminance", text: "Luminance"}, {value: "r", text: "Red"}, {value: "g", text: "Green"},
+  {value: "b", text: "Blue"}
+];
 const channelName = (channel) => CHANNELS.find((c) => c.value === channel).text.toLowerCase();
 
 function channelOf(metrics, channel) {
@@ -61,8 +75,12 @@ function lookUp(object, path) {
   const keys = path.split(".");
   const last = keys.pop();
   const parent = keys.reduce((o, key) => (o && typeof o === "object" ? o[key] : undefined), object);
-  if (!parent || typeof parent !== "object") return { value: null, reason: (object || {})[keys[0] + "_reason"] || "not measured" };
-  return { value: isNumber(parent[last]) ? parent[last] : null, reason: parent[last + "_reason"] || "not measured" };
+  if (!parent || typeof parent !== "object")
+    return {value: null, reason: (object || {})[keys[0] + "_reason"] || "not measured"};
+  return {
+    value: isNumber(parent[last]) ? parent[last] : null,
+    reason: parent[last + "_reason"] || "not measured"
+  };
 }
 
 const relativeError = (run) => lookUp(run, "metrics.rel_rmse").value;
@@ -71,6 +89,14 @@ const fetches = (run) => lookUp(run, "cost.fetches_per_pixel").value;
 // A run without a pass costs nothing; on a logarithmic axis it is a line, not a point.
 const isFree = (run) => lookUp(run, "cost.passes").value === 0;
 const isDistinguishable = (run) => run.distinguishable !== false;
+
+// The headline error as it is shown wherever there is room for one number.
+function errorText(run) {
+  if (isDistinguishable(run)) return percent(relativeError(run));
+  return h(
+      "span", {class: "doubt", title: `${percent(relativeError(run))}, below the truth\u2019s uncertainty`},
+      "not distinguishable");
+}
 
 function byError(a, b) {
   const x = relativeError(a), y = relativeError(b);
@@ -91,10 +117,11 @@ const repeats = unique(runs.map((run) => lookUp(run, "cost.frame_ms.repeats").va
 
 function timingNote() {
   const renderer = provenance.gl_renderer || "an unknown renderer";
-  const threads = isNumber(provenance.rasteriser_threads) ? `, ${plural(provenance.rasteriser_threads, "thread")}` : "";
+  const threads =
+      isNumber(provenance.rasteriser_threads) ? `, ${plural(provenance.rasteriser_threads, "thread")}` : "";
   const median = repeats.length ? `, median of ${repeats.join("/")} frames` : "";
   return `Times are of a ${isSoftware ? "software rasteriser" : "GPU"}: ${renderer}${threads}${median}.` +
-    (isSoftware ? " A GPU weighs taps, float formats and filtering differently." : "");
+      (isSoftware ? " A GPU weighs taps, float formats and filtering differently." : "");
 }
 
 // A relative link that any file name survives.
@@ -105,4 +132,5 @@ function targetName(target) {
   const cut = isNumber(target.r_max_mm) ? `r_max ${number(target.r_max_mm)} mm` : "no r_max";
   return `${metric}, ${target.normalised === false ? "raw" : "normalised"}, ${cut}`;
 }
-const headlineTarget = truths.length ? targetName(truths.find((t) => runs.some((r) => r.truth === t.id)) || truths[0]) : EN_DASH;
+const headlineTarget =
+    truths.length ? targetName(truths.find((t) => runs.some((r) => r.truth === t.id)) || truths[0]) : EN_DASH;

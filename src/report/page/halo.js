@@ -1,19 +1,31 @@
 // Halo profiles: relative error against the distance to the nearest silhouette.
 
-const HALO = { width: 300, height: 220, left: 44, right: 8, top: 22, bottom: 38 };
+const HALO = {
+  width: 300,
+  height: 220,
+  left: 44,
+  right: 8,
+  top: 22,
+  bottom: 38
+};
 const HALO_SIDES = [
-  { path: "halo", title: "All silhouettes" }, { path: "halo.outer.near", title: "Outer, against the background" },
-  { path: "halo.inner.near", title: "Inner, near side" }, { path: "halo.inner.far", title: "Inner, far side" }];
+  {path: "halo", title: "All silhouettes"}, {path: "halo.outer.near", title: "Outer, against the background"},
+  {path: "halo.inner.near", title: "Inner, near side"}, {path: "halo.inner.far", title: "Inner, far side"}
+];
 const HALO_WITHIN = 1;  // percent; the bound of the halo's width
 
 function haloOf(run, side, channel) {
-  return side.path.split(".").reduce((object, key) => (object || {})[key], channelOf(run.metrics, channel)) || {};
+  return side.path.split(".").reduce((object, key) => (object || {})[key], channelOf(run.metrics, channel)) ||
+      {};
 }
 
 function haloPoints(run, side, channel) {
   const profile = haloOf(run, side, channel).profile || {};
-  return list(profile.relative_error).map((error, i) =>
-    (isNumber(error) && isNumber(profile.bin_mm) ? { x: (i + 0.5) * profile.bin_mm, y: 100 * error } : null));
+  return list(profile.relative_error)
+      .map(
+          (error, i) =>
+              (isNumber(error) && isNumber(profile.bin_mm) ? {x: (i + 0.5) * profile.bin_mm, y: 100 * error} :
+                                                             null));
 }
 
 // Broken where a bin has no light.
@@ -30,7 +42,8 @@ function linearTicks([low, high], wanted) {
   const rough = (high - low) / wanted, decade = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((m) => m * decade).find((m) => m >= rough);
   const ticks = [];
-  for (let i = Math.ceil(low / step); i * step <= high + 1e-9; ++i) ticks.push(Number((i * step).toPrecision(6)));
+  for (let i = Math.ceil(low / step); i * step <= high + 1e-9; ++i)
+    ticks.push(Number((i * step).toPrecision(6)));
   return ticks;
 }
 
@@ -43,7 +56,9 @@ function haloTicks([low, high]) {
 }
 
 function haloRange(c, channel) {
-  const all = HALO_SIDES.flatMap((side) => c.runs.flatMap((run) => haloPoints(run, side, channel))).filter(Boolean).map((p) => p.y);
+  const all = HALO_SIDES.flatMap((side) => c.runs.flatMap((run) => haloPoints(run, side, channel)))
+                  .filter(Boolean)
+                  .map((p) => p.y);
   return [1.15 * Math.min(-1.6, ...all), 1.15 * Math.max(1.6, ...all)];
 }
 
@@ -51,65 +66,119 @@ const signedText = (value) => (value < 0 ? MINUS + Math.abs(value) : value > 0 ?
 
 function haloAxes(x, y, yRange, xMax, widest, frame) {
   const marks = [1, 3, 6].filter((m) => m * widest <= xMax * 1.001);
-  return s("g", { class: "axes" },
-    s("rect", { class: "within", x: frame.left, width: frame.right - frame.left, y: y(HALO_WITHIN), height: y(-HALO_WITHIN) - y(HALO_WITHIN) }),
-    haloTicks(yRange).map((tick) => [s("line", { class: tick === 0 ? "zero" : "grid", x1: frame.left, x2: frame.right, y1: y(tick), y2: y(tick) }),
-      s("text", { x: frame.left - 6, y: y(tick) + 4, "text-anchor": "end" }, signedText(tick))]),
-    marks.map((m) => [s("line", { class: "mark", x1: x(m * widest), x2: x(m * widest), y1: frame.top, y2: frame.bottom }),
-      s("text", { class: "note", x: x(m * widest) - (m === 6 ? 3 : 0), y: frame.top - 5, "text-anchor": m === 6 ? "end" : "middle" }, (m === 1 ? "" : m) + "s")]),
-    linearTicks([0, xMax], 5).map((tick) => s("text", { x: x(tick), y: frame.bottom + 15, "text-anchor": "middle" }, String(tick))),
-    s("text", { class: "label", x: (frame.left + frame.right) / 2, y: HALO.height - 4, "text-anchor": "middle" }, "\u03b4, mm from the silhouette"));
+  return s(
+      "g", {class: "axes"}, s("rect", {
+        class: "within",
+        x: frame.left,
+        width: frame.right - frame.left,
+        y: y(HALO_WITHIN),
+        height: y(-HALO_WITHIN) - y(HALO_WITHIN)
+      }),
+      haloTicks(yRange).map(
+          (tick) =>
+              [s("line", {
+                 class: tick === 0 ? "zero" : "grid",
+                 x1: frame.left,
+                 x2: frame.right,
+                 y1: y(tick),
+                 y2: y(tick)
+               }),
+               s("text", {x: frame.left - 6, y: y(tick) + 4, "text-anchor": "end"}, signedText(tick))]),
+      marks.map(
+          (m) =>
+              [s("line",
+                 {class: "mark", x1: x(m * widest), x2: x(m * widest), y1: frame.top, y2: frame.bottom}),
+               s("text", {
+                 class: "note",
+                 x: x(m * widest) - (m === 6 ? 3 : 0),
+                 y: frame.top - 5,
+                 "text-anchor": m === 6 ? "end" : "middle"
+               },
+                 (m === 1 ? "" : m) + "s")]),
+      linearTicks([0, xMax], 5)
+          .map(
+              (tick) => s("text", {x: x(tick), y: frame.bottom + 15, "text-anchor": "middle"}, String(tick))),
+      s("text",
+        {class: "label", x: (frame.left + frame.right) / 2, y: HALO.height - 4, "text-anchor": "middle"},
+        "\u03b4, mm from the silhouette"));
 }
 
 // The run with the largest peak is named on the chart itself.
 function peakLabel(lines, x, y, frame) {
-  const peaks = lines.flatMap(({ run, points }) => points.filter(Boolean).map((p) => ({ run, ...p })));
+  const peaks = lines.flatMap(({run, points}) => points.filter(Boolean).map((p) => ({run, ...p})));
   const peak = peaks.sort((a, b) => Math.abs(b.y) - Math.abs(a.y))[0];
   if (!peak || Math.abs(peak.y) < HALO_WITHIN) return null;
   const px = Math.min(Math.max(x(peak.x) + 8, frame.left + 8), frame.right - textWidth(peak.run.label, 11));
   const py = Math.min(Math.max(y(peak.y) + 4, frame.top + 12), frame.bottom - 5);
-  return s("text", { class: "direct small", x: px, y: py, fill: styleOf(peak.run.label).colour }, peak.run.label);
+  return s(
+      "text", {class: "direct small", x: px, y: py, fill: styleOf(peak.run.label).colour}, peak.run.label);
 }
 
 function haloChart(c, side, channel, yRange) {
-  const frame = { left: HALO.left, right: HALO.width - HALO.right, top: HALO.top, bottom: HALO.height - HALO.bottom };
-  const lines = c.runs.map((run) => ({ run, points: haloPoints(run, side, channel) })).filter((line) => line.points.some(Boolean));
+  const frame =
+      {left: HALO.left, right: HALO.width - HALO.right, top: HALO.top, bottom: HALO.height - HALO.bottom};
+  const lines = c.runs.map((run) => ({run, points: haloPoints(run, side, channel)}))
+                    .filter((line) => line.points.some(Boolean));
   if (lines.length === 0) {
     const reasons = c.runs.map((run) => haloOf(run, side, channel).peak_reason).filter(Boolean);
-    return h("p", { class: "empty" }, reasons[0] || "no silhouette of this kind in this view");
+    return h("p", {class: "empty"}, reasons[0] || "no silhouette of this kind in this view");
   }
   const widest = profileOf(c.profile).widest_std_dev_mm;
-  const xMax = Math.max(6 * (widest || 0), ...lines.flatMap((line) => line.points.filter(Boolean).map((p) => p.x)));
+  const xMax =
+      Math.max(6 * (widest || 0), ...lines.flatMap((line) => line.points.filter(Boolean).map((p) => p.x)));
   const x = (v) => frame.left + (frame.right - frame.left) * v / xMax;
-  const y = (v) => frame.bottom - (frame.bottom - frame.top) * (haloScale(v) - haloScale(yRange[0])) / (haloScale(yRange[1]) - haloScale(yRange[0]));
-  return s("svg", { class: "chart", viewBox: `0 0 ${HALO.width} ${HALO.height}`, role: "img", "aria-label": `${side.title}, ${caseName(c)}` },
-    haloAxes(x, y, yRange, xMax, widest, frame),
-    lines.map(({ run, points }) => s("path", { class: "line", d: linePath(points, x, y), stroke: styleOf(run.label).colour,
-      "stroke-dasharray": styleOf(run.label).dash }, s("title", {}, run.label))),
-    peakLabel(lines, x, y, frame));
+  const y = (v) => frame.bottom -
+      (frame.bottom - frame.top) * (haloScale(v) - haloScale(yRange[0])) /
+          (haloScale(yRange[1]) - haloScale(yRange[0]));
+  return s(
+      "svg", {
+        class: "chart",
+        viewBox: `0 0 ${HALO.width} ${HALO.height}`,
+        role: "img",
+        "aria-label": `${side.title}, ${caseName(c)}`
+      },
+      haloAxes(x, y, yRange, xMax, widest, frame),
+      lines.map(
+          ({run, points}) =>
+              s("path", {
+                class: "line",
+                d: linePath(points, x, y),
+                stroke: styleOf(run.label).colour,
+                "stroke-dasharray": styleOf(run.label).dash
+              },
+                s("title", {}, run.label))),
+      peakLabel(lines, x, y, frame));
 }
 
 function haloPixels(c, side) {
   const pixels = c.runs.map((run) => haloOf(run, side, "luminance").pixels).find(isNumber);
-  return pixels === undefined ? null : h("span", { class: "muted" }, ` ${count(pixels)} px`);
+  return pixels === undefined ? null : h("span", {class: "muted"}, ` ${count(pixels)} px`);
 }
 
 function haloRows(channel) {
-  return cases.filter((c) => c.runs.length > 0).map((c) => h("div", { class: "halo-row" }, h("h3", {}, caseName(c)),
-    h("div", { class: "quad" }, HALO_SIDES.map((side) => h("figure", { class: "panel" },
-      h("figcaption", {}, side.title, haloPixels(c, side)), haloChart(c, side, channel, haloRange(c, channel)))))));
+  return cases.filter((c) => c.runs.length > 0)
+      .map(
+          (c) =>
+              h("div", {class: "halo-row"}, h("h3", {}, caseName(c)),
+                h("div", {class: "quad"},
+                  HALO_SIDES.map(
+                      (side) =>
+                          h("figure", {class: "panel"}, h("figcaption", {}, side.title, haloPixels(c, side)),
+                            haloChart(c, side, channel, haloRange(c, channel)))))));
 }
 
 function haloSection() {
   const rows = h("div", {}, haloRows("luminance"));
-  const channel = choice("Channel", CHANNELS, "luminance", (value) => rows.replaceChildren(...haloRows(value)));
-  return section("halos", "Halos at silhouettes",
-    ["Relative error, in %, of each bin of the distance \u03b4 to the nearest contour: sum(test \u2212 truth) / sum(truth). " +
-      "s is the profile\u2019s widest standard deviation; the band is \u00b11 %, beyond which the halo\u2019s width is counted; " +
-      "px: skin pixels within 3s. One vertical axis per row, linear within the band and logarithmic beyond."],
-    h("div", { class: "controls" }, channel.element, legend()), rows);
+  const channel =
+      choice("Channel", CHANNELS, "luminance", (value) => rows.replaceChildren(...haloRows(value)));
+  return section(
+      "halos", "Halos at silhouettes",
+      ["Relative error, in %, of each bin of the distance \u03b4 to the nearest contour: sum(test \u2212 truth) / sum(truth). " +
+       "s is the profile\u2019s widest standard deviation; the band is \u00b11 %, beyond which the halo\u2019s width is counted; " +
+       "px: skin pixels within 3s. One vertical axis per row, linear within the band and logarithmic beyond."],
+      h("div", {class: "controls"}, channel.element), legend(), rows);
 }
 
 function legend() {
-  return h("div", { class: "legend" }, labels.map((label) => methodName(label)));
+  return h("div", {class: "legend"}, labels.map((label) => methodName(label)));
 }

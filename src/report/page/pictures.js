@@ -1,8 +1,9 @@
 // Every picture of every case side by side; a click opens it in the viewer.
 
 const KINDS = [
-  { value: "picture", text: "Rendered" }, { value: "magnitude", text: "|Error|" },
-  { value: "signed", text: "Signed error" }, { value: "irradiance", text: "Irradiance" }];
+  {value: "picture", text: "Rendered"}, {value: "magnitude", text: "|Error|"},
+  {value: "signed", text: "Signed error"}, {value: "irradiance", text: "Irradiance"}
+];
 
 // Each picture is held once in the page; the object URL is made when it is first shown.
 const objectUrls = new Map();
@@ -11,7 +12,7 @@ function pictureUrl(path) {
   if (!objectUrls.has(index)) {
     const [head, text] = pictures.data[index].split(",");
     const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-    objectUrls.set(index, URL.createObjectURL(new Blob([bytes], { type: head.slice(5).split(";")[0] })));
+    objectUrls.set(index, URL.createObjectURL(new Blob([bytes], {type: head.slice(5).split(";")[0]})));
   }
   return objectUrls.get(index);
 }
@@ -19,10 +20,10 @@ function pictureUrl(path) {
 // What a pane shows: {path, isMap}, or nothing. The truth stands for all kinds but the irradiance.
 function pictureOf(c, source, kind) {
   const view = viewOf(c.view);
-  if (kind === "irradiance" || source === "irradiance") return { path: (view.files || {}).irradiance };
-  if (source === "truth") return { path: ((c.truth || {}).files || {}).picture };
+  if (kind === "irradiance" || source === "irradiance") return {path: (view.files || {}).irradiance};
+  if (source === "truth") return {path: ((c.truth || {}).files || {}).picture};
   const run = c.all.find((r) => r.label === source) || {};
-  return { path: (run.files || {})[kind], isMap: kind !== "picture" };
+  return {path: (run.files || {})[kind], isMap: kind !== "picture"};
 }
 
 function viewAspect(c) {
@@ -33,62 +34,84 @@ function viewAspect(c) {
 // An image cut to the view's own pixels: error maps carry a colour bar below them.
 function cropped(c, shown, alt) {
   const known = shown.path && pictures.files[shown.path];
-  return h("span", { class: "crop", style: `aspect-ratio:${viewAspect(c)}` },
-    known ? h("img", { src: pictureUrl(shown.path), alt, draggable: "false" }) : h("em", {}, "no picture"));
+  return h(
+      "span", {class: "crop", style: `aspect-ratio:${viewAspect(c)}`},
+      known ? h("img", {src: pictureUrl(shown.path), alt, draggable: "false"}) : h("em", {}, "no picture"));
 }
 
-// The colour bar, cut out of an error map (a ninth of its 34 rows from the 13th on, a sixteenth in from the sides).
+// The colour bar, cut out of an error map (a ninth of its 34 rows from the 13th on, a sixteenth in from the
+// sides).
 function barStyle(c, path) {
   const file = pictures.files[path], view = viewOf(c.view);
   const margin = Math.max(8, Math.floor(file.width / 16)), width = file.width - 2 * margin, height = 7;
   const top = (view.height_px || file.height - 34) + 14;
-  return `background-image:url(${pictureUrl(path)});background-size:${100 * file.width / width}% ${100 * file.height / height}%;` +
-    `background-position:50% ${100 * top / (file.height - height)}%`;
+  return `background-image:url(${pictureUrl(path)});background-size:${100 * file.width / width}% ${
+             100 * file.height / height}%;` +
+      `background-position:50% ${100 * top / (file.height - height)}%`;
 }
 
 function colourBar(c, kind) {
   const run = c.runs.find((r) => pictures.files[(r.files || {})[kind]]);
   const maps = results.maps || {};
   if (!run || !isNumber(maps.range)) return null;
-  const ends = kind === "signed" ? [MINUS + maps.range, "0", "+" + maps.range] : ["0", String(maps.range / 2), String(maps.range)];
-  return h("span", { class: "colour-bar" }, h("span", { class: "ramp", style: barStyle(c, run.files[kind]) }),
-    h("span", { class: "ends" }, ends.map((end) => h("span", {}, end))));
+  const ends = kind === "signed" ? [MINUS + maps.range, "0", "+" + maps.range] :
+                                   ["0", String(maps.range / 2), String(maps.range)];
+  return h(
+      "span", {class: "colour-bar"}, h("span", {class: "ramp", style: barStyle(c, run.files[kind])}),
+      h("span", {class: "ends"}, ends.map((end) => h("span", {}, end))));
 }
 
 function sheetPicture(c, source, kind, alt) {
   const shown = pictureOf(c, source, kind);
-  return h("button", { class: "thumb", type: "button", title: alt + " \u2013 open in the viewer", onclick: () => openViewer(c, source, kind) },
-    cropped(c, shown, alt));
+  return h(
+      "button", {
+        class: "thumb",
+        type: "button",
+        title: alt + " \u2013 open in the viewer",
+        onclick: () => openViewer(c, source, kind)
+      },
+      cropped(c, shown, alt));
 }
 
 function methodColumn(c, run) {
   if (run.skipped) {
-    return h("div", { class: "column" }, h("div", { class: "column-head" }, methodName(run.label)), h("p", { class: "skipped" }, "Skipped: " + run.skipped));
+    return h(
+        "div", {class: "column"}, h("div", {class: "column-head"}, methodName(run.label)),
+        h("p", {class: "skipped"}, "Skipped: " + run.skipped));
   }
-  return h("div", { class: "column" },
-    h("div", { class: "column-head" }, methodName(run.label), h("b", {}, isDistinguishable(run) ? percent(relativeError(run)) : "\u2248 0")),
-    ["picture", "magnitude", "signed"].map((kind) => sheetPicture(c, run.label, kind, `${run.label}, ${KINDS.find((k) => k.value === kind).text.toLowerCase()}`)));
+  return h(
+      "div", {class: "column"},
+      h("div", {class: "column-head"}, methodName(run.label), h("b", {}, errorText(run))),
+      ["picture", "magnitude", "signed"].map(
+          (kind) => sheetPicture(
+              c, run.label, kind,
+              `${run.label}, ${KINDS.find((k) => k.value === kind).text.toLowerCase()}`)));
 }
 
 function truthColumn(c) {
-  return h("div", { class: "column" },
-    h("div", { class: "column-head" }, h("span", { class: "method" }, "Truth")),
-    sheetPicture(c, "truth", "picture", "truth"), sheetPicture(c, "irradiance", "irradiance", "irradiance"),
-    h("p", { class: "note-box" }, "Above: irradiance, what every method starts from. Right: |error| and signed error of luminance, one range for the whole run."),
-    h("div", { class: "bars" }, h("span", {}, "|error|"), colourBar(c, "magnitude"), h("span", {}, "test \u2212 truth"), colourBar(c, "signed")));
+  return h(
+      "div", {class: "column"}, h("div", {class: "column-head"}, h("span", {class: "method"}, "Truth")),
+      sheetPicture(c, "truth", "picture", "truth"), sheetPicture(c, "irradiance", "irradiance", "irradiance"),
+      h("p", {class: "note-box"},
+        "Above: irradiance, what every method starts from. Right: |error| and signed error of luminance, one range for the whole run."),
+      h("div", {class: "bars"}, h("span", {}, "|error|"), colourBar(c, "magnitude"),
+        h("span", {}, "test \u2212 truth"), colourBar(c, "signed")));
 }
 
 function sheet(c) {
   const ordered = [...c.all].sort((a, b) => Boolean(a.skipped) - Boolean(b.skipped) || byError(a, b));
-  return h("div", { class: "sheet" }, h("h3", {}, caseName(c)),
-    h("div", { class: "columns" }, truthColumn(c), ordered.map((run) => methodColumn(c, run))));
+  return h(
+      "div", {class: "sheet"}, h("h3", {}, caseName(c)),
+      h("div", {class: "columns"}, truthColumn(c), ordered.map((run) => methodColumn(c, run))));
 }
 
 function pictureSection() {
   const maps = results.maps || {};
-  return section("pictures", "Pictures",
-    ["Truth and every method, least error first: rendered, |error|, signed error (test \u2212 truth; orange: too bright, blue: too dark), of " +
-      `${maps.quantity || "luminance"}. One colour range, ${isNumber(maps.range) ? `\u00b1${maps.range}` : "fixed"}, for every map of the run. ` +
-      "The percentage is the RMSE relative to the truth\u2019s RMS. Click a picture to look closely."],
-    viewer(), h("div", {}, cases.map(sheet)));
+  return section(
+      "pictures", "Pictures",
+      ["Truth and every method, least error first: rendered, |error|, signed error (test \u2212 truth; orange: too bright, blue: too dark), of " +
+       `${maps.quantity || "luminance"}. One colour range, ${
+           isNumber(maps.range) ? `\u00b1${maps.range}` : "fixed"}, for every map of the run. ` +
+       "The percentage is the RMSE relative to the truth\u2019s RMS. Click a picture to look closely."],
+      viewer(), h("div", {}, cases.map(sheet)));
 }

@@ -1,9 +1,13 @@
 // Puts the page together.
 
-const SECTIONS = [["overview", "Overview"], ["speed", "Speed against accuracy"], ["pictures", "Pictures"], ["metrics", "Metrics"],
-  ["halos", "Halos"], ["what", "What was run"]];
+const SECTIONS = [
+  ["overview", "Overview"], ["speed", "Speed against accuracy"], ["pictures", "Pictures"],
+  ["metrics", "Metrics"], ["halos", "Halos"], ["what", "What was run"]
+];
 
 document.getElementById("head").append(...pageHead().filter(Boolean));
-document.getElementById("nav").append(...SECTIONS.map(([id, title]) => h("a", { href: "#" + id }, title)));
-append(document.getElementById("main"), [overview(), costSection(), pictureSection(), tableSection(), haloSection(), detailsSection()]);
+document.getElementById("nav").append(...SECTIONS.map(([id, title]) => h("a", {href: "#" + id}, title)));
+append(
+    document.getElementById("main"),
+    [overview(), costSection(), pictureSection(), tableSection(), haloSection(), detailsSection()]);
 document.documentElement.dataset.ready = "yes";

@@ -1,26 +1,33 @@
 // The first screen: what was asked, the certificate, and in words what the numbers say.
 
-const summaryState = { threshold: 0.02 };
+const summaryState = {
+  threshold: 0.02
+};
 
 function pageHead() {
   const experiment = results.experiment || {};
   const facts = [
-    (results.scene || {}).mesh,
-    plural(views.length, "view"), plural(profiles.length, "profile"), plural(labels.length, "method"),
-    provenance.version && `truescatter ${provenance.version}` +
-      (provenance.commit ? ` (${provenance.commit.slice(0, 10)}${provenance.commit_dirty ? ", modified" : ""})` : ""),
-    (provenance.finished_utc || "").replace("T", " ").replace("Z", " UTC")];
+    (results.scene || {}).mesh, plural(views.length, "view"), plural(profiles.length, "profile"),
+    plural(labels.length, "method"),
+    provenance.version &&
+        `truescatter ${provenance.version}` +
+            (provenance.commit ?
+                 ` (${provenance.commit.slice(0, 10)}${provenance.commit_dirty ? ", modified" : ""})` :
+                 ""),
+    (provenance.finished_utc || "").replace("T", " ").replace("Z", " UTC")
+  ];
   return [
-    h("p", { class: "kicker" }, facts.filter(Boolean).join("  \u00b7  ")),
+    h("p", {class: "kicker"}, facts.filter(Boolean).join("  \u00b7  ")),
     h("h1", {}, experiment.name || "Results"),
-    experiment.question && h("p", { class: "question" }, experiment.question),
-    exceededBanner()];
+    experiment.question && h("p", {class: "question"}, experiment.question), exceededBanner()
+  ];
 }
 
 function exceededBanner() {
   const lines = list(results.exceeded);
-  return lines.length > 0 && h("div", { class: "banner" }, h("strong", {}, "A stated threshold was exceeded."),
-    h("ul", {}, lines.map((line) => h("li", {}, line))));
+  return lines.length > 0 &&
+      h("div", {class: "banner"}, h("strong", {}, "A stated threshold was exceeded."),
+        h("ul", {}, lines.map((line) => h("li", {}, line))));
 }
 
 // --- the certificate ---
@@ -30,23 +37,39 @@ function worst(path) {
   return values.length ? Math.max(...values) : null;
 }
 
+function isCertified(truth) {
+  const error = lookUp(truth, "certificate.max_error").value,
+        tolerance = lookUp(truth, "certificate.tolerance").value;
+  return isNumber(error) && isNumber(tolerance) && error <= tolerance;
+}
+
 function certificatePanel() {
   const largest = worst("certificate.max_error"), tolerance = worst("certificate.tolerance");
-  const failed = truths.some((t) => !(lookUp(t, "certificate.max_error").value <= lookUp(t, "certificate.tolerance").value));
+  const failed = truths.some((truth) => !isCertified(truth));
   const audited = truths.reduce((sum, truth) => sum + (lookUp(truth, "certificate.audited").value || 0), 0);
   const residual = (results.scene || {}).irradiance_residual || {};
-  const row = (name, value, note) => [h("dt", {}, name), h("dd", {}, h("b", {}, value), note && h("span", { class: "muted" }, " " + note))];
-  return h("aside", { class: "panel certificate " + (failed ? "bad" : "good") },
-    h("h2", {}, "The truth\u2019s certificate", h("span", { class: "verdict" }, truths.length === 0 ? "none" : failed ? "failed" : "passed")),
-    h("p", { class: "muted" }, "Every pixel\u2019s truth comes from the fast engine; the exact one, with closed forms, audits it. " +
-      "In units of the scene\u2019s largest irradiance, the worst of ", plural(truths.length, "truth"), ":"),
-    h("dl", {},
-      row("Largest difference", scientific(largest), `of ${scientific(tolerance)} allowed`),
-      row("Pixels audited", count(audited), "half random, half where the risk is highest"),
-      row("Tail beyond the search", scientific(worst("certificate.tail_bound")), "bound"),
-      row("Uncertainty", scientific(worst("uncertainty")), "an error below it is \u201cnot distinguishable\u201d")),
-    h("p", { class: "aside" }, h("b", {}, "Never added: "), "the irradiance field that methods and truth share differs from the " +
-      `real lighting by ${scientific(residual.mean)} (mean) and ${scientific(residual.p99)} (p99). It is no part of any error here.`));
+  const row = (name, value, note) =>
+      [h("dt", {}, name), h("dd", {}, h("b", {}, value), note && h("span", {class: "muted"}, " " + note))];
+  return h(
+      "aside", {class: "panel certificate " + (failed ? "bad" : "good")},
+      h("h2", {}, "The truth\u2019s certificate",
+        h("span", {class: "verdict"},
+          truths.length === 0 ? "none" :
+              failed          ? "failed" :
+                                "passed")),
+      h("p", {class: "muted"},
+        "Every pixel\u2019s truth comes from the fast engine; the exact one, with closed forms, audits it. " +
+            "In units of the scene\u2019s largest irradiance, the worst of ",
+        plural(truths.length, "truth"), ":"),
+      h("dl", {}, row("Largest difference", scientific(largest), `of ${scientific(tolerance)} allowed`),
+        row("Pixels audited", count(audited), "half random, half where the risk is highest"),
+        row("Tail beyond the search", scientific(worst("certificate.tail_bound")), "bound"),
+        row("Uncertainty", scientific(worst("uncertainty")),
+            "an error below it is \u201cnot distinguishable\u201d")),
+      h("p", {class: "aside"}, h("b", {}, "Never added: "),
+        "the irradiance field that methods and truth share differs from the " +
+            `real lighting by ${scientific(residual.mean)} (mean) and ${
+                scientific(residual.p99)} (p99). It is no part of any error here.`));
 }
 
 // --- in words ---
@@ -59,7 +82,7 @@ function tally(pick) {
   const found = new Map();
   for (const c of cases) {
     const run = pick(c);
-    if (run) found.set(run.label, [...(found.get(run.label) || []), { c, run }]);
+    if (run) found.set(run.label, [...(found.get(run.label) || []), {c, run}]);
   }
   return [...found].sort((a, b) => b[1].length - a[1].length);
 }
@@ -74,8 +97,16 @@ function range(values, format) {
 function leastErrorSentence() {
   const winners = tally(best);
   if (winners.length === 0) return null;
-  return [h("b", {}, "Least error: "), listed(winners.map(([label, found]) => [methodName(label), ofCases(found.length),
-    ` (RMSE ${range(found.map((f) => relativeError(f.run)), percent)} of the truth\u2019s RMS)`])), "."];
+  return [
+    h("b", {}, "Least error: "),
+    listed(winners.map(
+        ([label, found]) =>
+            [methodName(label), ofCases(found.length),
+             found.every((f) => isDistinguishable(f.run)) ?
+                 ` (RMSE ${range(found.map((f) => relativeError(f.run)), percent)} of the truth\u2019s RMS)` :
+                 " (at or below the truth\u2019s uncertainty)"])),
+    "."
+  ];
 }
 
 function cheapest(c, threshold) {
@@ -84,14 +115,25 @@ function cheapest(c, threshold) {
 }
 
 function cheapestSentence() {
-  const input = h("input", { type: "number", min: 0.1, step: 0.1, value: String(Number((100 * summaryState.threshold).toPrecision(4))),
-    "aria-label": "Largest error, in percent", onchange: (event) => setThreshold(event.target.value / 100) });
+  const input = h("input", {
+    type: "number",
+    min: 0.1,
+    step: 0.1,
+    value: String(Number((100 * summaryState.threshold).toPrecision(4))),
+    "aria-label": "Largest error, in percent",
+    onchange: (event) => setThreshold(event.target.value / 100)
+  });
   const winners = tally((c) => cheapest(c, summaryState.threshold));
   const none = cases.filter((c) => !cheapest(c, summaryState.threshold)).map(caseName);
-  const parts = winners.map(([label, found]) => [methodName(label), ofCases(found.length),
-    isFree(found[0].run) ? " (no pass at all is needed)" : ` (${range(found.map((f) => frameMs(f.run)), number)} ms)`]);
-  return [h("b", {}, "Cheapest within ", input, " %: "), parts.length ? listed(parts) : "no method", ".",
-    parts.length && none.length ? ` Nothing stays within it in ${none.join("; ")}.` : ""];
+  const parts = winners.map(
+      ([label, found]) =>
+          [methodName(label), ofCases(found.length),
+           isFree(found[0].run) ? " (no pass at all is needed)" :
+                                  ` (${range(found.map((f) => frameMs(f.run)), number)} ms)`]);
+  return [
+    h("b", {}, "Cheapest within ", input, " %: "), parts.length ? listed(parts) : "no method", ".",
+    parts.length && none.length ? ` Nothing stays within it in ${none.join("; ")}.` : ""
+  ];
 }
 
 function worseThanNothingSentence() {
@@ -104,8 +146,14 @@ function worseThanNothingSentence() {
     }
   }
   if (found.size === 0) return null;
-  return [h("b", {}, "Worse than no scattering at all: "), listed([...found].map(([label, worse]) => [methodName(label),
-    ofCases(worse.length), ` (up to ${percent(Math.max(...worse.map(relativeError)))})`])), "."];
+  return [
+    h("b", {}, "Worse than no scattering at all: "),
+    listed([...found].map(
+        ([label, worse]) =>
+            [methodName(label), ofCases(worse.length),
+             ` (up to ${percent(Math.max(...worse.map(relativeError)))})`])),
+    "."
+  ];
 }
 
 // The two runs whose order by time contradicts their order by fetches the most.
@@ -113,11 +161,12 @@ function largestInversion() {
   let largest = null;
   for (const c of cases) {
     const paid = costed(c).filter((run) => frameMs(run) > 0 && fetches(run) > 0);
-    for (const a of paid) for (const b of paid) {
-      const time = Math.log(frameMs(b) / frameMs(a)), work = Math.log(fetches(a) / fetches(b));
-      const size = Math.min(time, work);
-      if (size > 0.05 && (!largest || size > largest.size)) largest = { c, a, b, size };
-    }
+    for (const a of paid)
+      for (const b of paid) {
+        const time = Math.log(frameMs(b) / frameMs(a)), work = Math.log(fetches(a) / fetches(b));
+        const size = Math.min(time, work);
+        if (size > 0.05 && (!largest || size > largest.size)) largest = {c, a, b, size};
+      }
   }
   return largest;
 }
@@ -125,29 +174,41 @@ function largestInversion() {
 function inversionSentence() {
   const found = largestInversion();
   if (!found) return [h("b", {}, "Time and fetches"), " rank the methods alike in every case."];
-  const { c, a, b } = found;
-  return [h("b", {}, "Time and fetches rank differently: "), methodName(a.label), " takes less time than ", methodName(b.label),
-    ` (${number(frameMs(a))} against ${number(frameMs(b))} ms) with more fetches per pixel (${number(fetches(a))} against ` +
-    `${number(fetches(b))})`, cases.length > 1 ? `, most of all in ${caseName(c)}` : "", "."];
+  const {c, a, b} = found;
+  return [
+    h("b", {}, "Time and fetches rank differently: "), methodName(a.label), " takes less time than ",
+    methodName(b.label),
+    ` (${number(frameMs(a))} against ${number(frameMs(b))} ms) with more fetches per pixel (${
+        number(fetches(a))} against ` +
+        `${number(fetches(b))})`,
+    cases.length > 1 ? `, most of all in ${caseName(c)}` : "", "."
+  ];
 }
 
 function doubtSentence() {
   const hidden = unique(runs.filter((run) => run.metrics && !isDistinguishable(run)).map((run) => run.label));
-  return hidden.length > 0 && [h("b", {}, "Not distinguishable from the truth: "), listed(hidden.map(methodName)), "."];
+  return hidden.length > 0 &&
+      [h("b", {}, "Not distinguishable from the truth: "), listed(hidden.map(methodName)), "."];
 }
 
 function skippedSentence() {
-  const skipped = unique(runs.filter((run) => run.skipped).map((run) => JSON.stringify([run.label, run.skipped])));
-  return skipped.length > 0 && [h("b", {}, "Skipped: "), listed(skipped.map((key) => {
-    const [label, reason] = JSON.parse(key);
-    return [methodName(label), ` (${reason})`];
-  })), "."];
+  const skipped =
+      unique(runs.filter((run) => run.skipped).map((run) => JSON.stringify([run.label, run.skipped])));
+  return skipped.length > 0 && [
+    h("b", {}, "Skipped: "), listed(skipped.map((key) => {
+      const [label, reason] = JSON.parse(key);
+      return [methodName(label), ` (${reason})`];
+    })),
+    "."
+  ];
 }
 
 function summaryText() {
-  const sentences = [leastErrorSentence(), cheapestSentence(), worseThanNothingSentence(), inversionSentence(),
-    doubtSentence(), skippedSentence()].filter(Boolean);
-  return h("p", { class: "words", id: "words" }, sentences.map((sentence) => [sentence, " "]));
+  const sentences = [
+    leastErrorSentence(), cheapestSentence(), worseThanNothingSentence(), inversionSentence(),
+    doubtSentence(), skippedSentence()
+  ].filter(Boolean);
+  return h("p", {class: "words", id: "words"}, sentences.map((sentence) => [sentence, " "]));
 }
 
 // --- the matrix of methods and cases ---
@@ -155,13 +216,17 @@ function summaryText() {
 function matrixRow(label, largest) {
   const cells = cases.map((c) => {
     const run = c.all.find((r) => r.label === label);
-    if (!run || run.skipped) return h("td", { class: "muted", title: run ? run.skipped : "not run" }, run ? "skipped" : EN_DASH);
+    if (!run || run.skipped)
+      return h("td", {class: "muted", title: run ? run.skipped : "not run"}, run ? "skipped" : EN_DASH);
     const value = relativeError(run);
-    return h("td", { class: run === best(c) ? "best" : "" },
-      h("span", { class: "bar" }, h("i", { style: `width:${100 * (value || 0) / largest}%;background:${styleOf(label).colour}` })),
-      h("span", { class: "value" }, isDistinguishable(run) ? percent(value) : ["\u2248 0", h("small", {}, " not distinguishable")]));
+    return h(
+        "td", {class: run === best(c) ? "best" : ""},
+        isDistinguishable(run) &&
+            h("span", {class: "bar"},
+              h("i", {style: `width:${100 * (value || 0) / largest}%;background:${styleOf(label).colour}`})),
+        h("span", {class: "value" + (isDistinguishable(run) ? "" : " alone")}, errorText(run)));
   });
-  return h("tr", {}, h("th", { scope: "row" }, methodName(label)), cells);
+  return h("tr", {}, h("th", {scope: "row"}, methodName(label)), cells);
 }
 
 function meanError(label) {
@@ -172,16 +237,23 @@ function meanError(label) {
 function matrix() {
   const largest = Math.max(1e-12, ...runs.map((run) => relativeError(run) || 0));
   const rows = [...labels].sort((a, b) => meanError(a) - meanError(b));
-  return h("div", { class: "scroll" }, h("table", { class: "matrix" },
-    h("caption", {}, "RMSE of luminance relative to the truth\u2019s RMS. Headline target: " + headlineTarget + "."),
-    h("thead", {}, h("tr", {}, h("th", {}), cases.map((c) => h("th", { scope: "col" },
-      c.view, h("small", {}, profileTitle(c.profile)))))),
-    h("tbody", {}, rows.map((label) => matrixRow(label, largest)))));
+  return h(
+      "div", {class: "scroll"},
+      h("table", {class: "matrix"},
+        h("caption", {},
+          "RMSE of luminance relative to the truth\u2019s RMS. Headline target: " + headlineTarget + "."),
+        h("thead", {},
+          h("tr", {}, h("th", {}),
+            cases.map((c) => h("th", {scope: "col"}, c.view, h("small", {}, profileTitle(c.profile)))))),
+        h("tbody", {}, rows.map((label) => matrixRow(label, largest)))));
 }
 
 function overview() {
-  return h("section", { id: "overview" }, h("div", { class: "first" },
-    h("div", { class: "said" }, h("h2", {}, "What this run says"), summaryText(), matrix()), certificatePanel()));
+  return h(
+      "section", {id: "overview"},
+      h("div", {class: "first"},
+        h("div", {class: "said"}, h("h2", {}, "What this run says"), summaryText(), matrix()),
+        certificatePanel()));
 }
 
 function setThreshold(value) {

@@ -1,45 +1,159 @@
 // The table of metrics and costs of each case.
 
-// get(run, channel) -> {value, reason}. The best is the least magnitude; `paid`: runs without a pass do not compete;
-// `ranks: false`: values of different methods are not to be held against each other.
+// get(run, channel) -> {value, reason}. The best is the least magnitude; `paid`: runs without a pass do not
+// compete; `ranks: false`: values of different methods are not to be held against each other.
 const metric = (path) => (run, channel) => lookUp(channelOf(run.metrics, channel), path);
 const cost = (path) => (run) => lookUp(run, "cost." + path);
-const inUnits = (get) => (run, channel) => { const found = get(run, channel); return { ...found, value: inErrorUnits(found.value) }; };
-const inPercent = (get) => (run, channel) => { const found = get(run, channel); return { ...found, value: found.value === null ? null : 100 * found.value }; };
+const inUnits = (get) => (run, channel) => {
+  const found = get(run, channel);
+  return {...found, value: inErrorUnits(found.value)};
+};
+const inPercent = (get) => (run, channel) => {
+  const found = get(run, channel);
+  return {...found, value: found.value === null ? null : 100 * found.value};
+};
 
 function ownError(run, channel) {
   const own = run.own_target || {};
-  const found = own.metrics ? lookUp(channelOf(own.metrics, channel), "rmse") : { value: null, reason: own.metrics_reason || "not measured" };
-  return { ...found, value: inErrorUnits(found.value), note: "against " + targetName(own) };
+  const found = own.metrics ? lookUp(channelOf(own.metrics, channel), "rmse") :
+                              {value: null, reason: own.metrics_reason || "not measured"};
+  return {...found, value: inErrorUnits(found.value), note: "against " + targetName(own)};
 }
 
-const flip = (run, channel) => (channel === "luminance" ? lookUp(run.metrics, "flip") : { value: null, reason: "FLIP is a value of the whole colour" });
+const flip = (run, channel) =>
+    (channel === "luminance" ? lookUp(run.metrics, "flip") :
+                               {value: null, reason: "FLIP is a value of the whole colour"});
 
 const COLUMNS = [
-  { group: "Headline", name: "rel. RMSE", unit: "%", get: inPercent(metric("rel_rmse")), bar: true, help: "rel_rmse: RMSE / RMS of the truth over skin pixels; RMS = sqrt((1/n) sum truth\u00b2)" },
-  { group: "RMSE", name: "headline", unit: errorUnit, get: inUnits(metric("rmse")), help: "rmse: sqrt((1/n) sum e\u00b2) against the headline target, e = test \u2212 truth" },
-  { group: "RMSE", name: "own", unit: errorUnit, get: ownError, ranks: false, help: "The same against the integral that the method itself aims at: the filter\u2019s error. What the headline RMSE has beyond it is the model\u2019s." },
-  { group: "Error", name: "MAE", unit: errorUnit, get: inUnits(metric("mae")), help: "mae: (1/n) sum |e|" },
-  { group: "Error", name: "bias", unit: errorUnit, get: inUnits(metric("bias")), signed: true, help: "bias: (1/n) sum e; + is too bright" },
-  { group: "Error", name: "p50", unit: errorUnit, get: inUnits(metric("p50")), help: "p50: median of |e|" },
-  { group: "Error", name: "p95", unit: errorUnit, get: inUnits(metric("p95")), help: "p95: 95 % quantile of |e|" },
-  { group: "Error", name: "p99", unit: errorUnit, get: inUnits(metric("p99")), help: "p99: 99 % quantile of |e|" },
-  { group: "Error", name: "max", unit: errorUnit, get: inUnits(metric("max")), help: "max: largest |e|" },
-  { group: "Error", name: "FLIP", unit: "", get: flip, help: "flip: mean of LDR-FLIP over skin, 0 to 1" },
-  { group: "Halo", name: "peak", unit: "%", get: inPercent(metric("halo.peak")), help: "halo.peak: largest |relative error| of a bin of \u03b4; of a bin: sum(test \u2212 truth) / sum(truth)" },
-  { group: "Halo", name: "width", unit: "mm", get: metric("halo.width_mm"), help: "halo.width_mm: smallest \u03b4 beyond which every bin up to 6s is within 1 %" },
-  { group: "Halo", name: "energy", unit: "%", get: inPercent(metric("halo.energy")), help: "halo.energy: sum |e| within 3s of a silhouette / sum truth there" },
-  { group: "Halo", name: "contrast", unit: "", get: metric("halo.contrast"), ranks: false, help: "halo.contrast: RMSE within 3s / RMSE beyond 6s" },
-  { group: "Cost", name: "frame", unit: "ms", get: cost("frame_ms.median"), paid: true, spread: true, help: "frame_ms: every pass that the method adds to the shared G-buffer; median [least..most]" },
-  { group: "Cost", name: "set-up", unit: "ms", get: cost("setup_ms"), paid: true, help: "setup_ms: once, not per frame" },
-  { group: "Cost", name: "passes", unit: "", get: cost("passes"), paid: true, format: count, help: "Draws per frame" },
-  { group: "Cost", name: "fetches", unit: "/px", get: cost("fetches_per_pixel"), paid: true, help: "Texture fetches per skin pixel, counted by an instrumented, untimed run" },
-  { group: "Cost", name: "bytes", unit: "/px", get: cost("bytes_per_pixel"), paid: true, format: count, help: "Stored texels read per skin pixel, in bytes; no cache model" }];
+  {
+    group: "Headline",
+    name: "rel. RMSE",
+    unit: "%",
+    get: inPercent(metric("rel_rmse")),
+    bar: true,
+    help: "rel_rmse: RMSE / RMS of the truth over skin pixels; RMS = sqrt((1/n) sum truth\u00b2)"
+  },
+  {
+    group: "RMSE",
+    name: "headline",
+    unit: errorUnit,
+    get: inUnits(metric("rmse")),
+    help: "rmse: sqrt((1/n) sum e\u00b2) against the headline target, e = test \u2212 truth"
+  },
+  {
+    group: "RMSE",
+    name: "own",
+    unit: errorUnit,
+    get: ownError,
+    ranks: false,
+    help:
+        "The same against the integral that the method itself aims at: the filter\u2019s error. What the headline RMSE has beyond it is the model\u2019s."
+  },
+  {group: "Error", name: "MAE", unit: errorUnit, get: inUnits(metric("mae")), help: "mae: (1/n) sum |e|"}, {
+    group: "Error",
+    name: "bias",
+    unit: errorUnit,
+    get: inUnits(metric("bias")),
+    signed: true,
+    help: "bias: (1/n) sum e; + is too bright"
+  },
+  {group: "Error", name: "p50", unit: errorUnit, get: inUnits(metric("p50")), help: "p50: median of |e|"}, {
+    group: "Error",
+    name: "p95",
+    unit: errorUnit,
+    get: inUnits(metric("p95")),
+    help: "p95: 95 % quantile of |e|"
+  },
+  {
+    group: "Error",
+    name: "p99",
+    unit: errorUnit,
+    get: inUnits(metric("p99")),
+    help: "p99: 99 % quantile of |e|"
+  },
+  {group: "Error", name: "max", unit: errorUnit, get: inUnits(metric("max")), help: "max: largest |e|"},
+  {group: "Error", name: "FLIP", unit: "", get: flip, help: "flip: mean of LDR-FLIP over skin, 0 to 1"}, {
+    group: "Halo",
+    name: "peak",
+    unit: "%",
+    get: inPercent(metric("halo.peak")),
+    help:
+        "halo.peak: largest |relative error| of a bin of \u03b4; of a bin: sum(test \u2212 truth) / sum(truth)"
+  },
+  {
+    group: "Halo",
+    name: "width",
+    unit: "mm",
+    get: metric("halo.width_mm"),
+    help: "halo.width_mm: smallest \u03b4 beyond which every bin up to 6s is within 1 %"
+  },
+  {
+    group: "Halo",
+    name: "energy",
+    unit: "%",
+    get: inPercent(metric("halo.energy")),
+    help: "halo.energy: sum |e| within 3s of a silhouette / sum truth there"
+  },
+  {
+    group: "Halo",
+    name: "contrast",
+    unit: "",
+    get: metric("halo.contrast"),
+    ranks: false,
+    help: "halo.contrast: RMSE within 3s / RMSE beyond 6s"
+  },
+  {
+    group: "Cost",
+    name: "frame",
+    unit: "ms",
+    get: cost("frame_ms.median"),
+    paid: true,
+    spread: true,
+    help: "frame_ms: every pass that the method adds to the shared G-buffer; median [least..most]"
+  },
+  {
+    group: "Cost",
+    name: "set-up",
+    unit: "ms",
+    get: cost("setup_ms"),
+    paid: true,
+    help: "setup_ms: once, not per frame"
+  },
+  {
+    group: "Cost",
+    name: "passes",
+    unit: "",
+    get: cost("passes"),
+    paid: true,
+    format: count,
+    help: "Draws per frame"
+  },
+  {
+    group: "Cost",
+    name: "fetches",
+    unit: "/px",
+    get: cost("fetches_per_pixel"),
+    paid: true,
+    help: "Texture fetches per skin pixel, counted by an instrumented, untimed run"
+  },
+  {
+    group: "Cost",
+    name: "bytes",
+    unit: "/px",
+    get: cost("bytes_per_pixel"),
+    paid: true,
+    format: count,
+    help: "Stored texels read per skin pixel, in bytes; no cache model"
+  }
+];
 
 // The best of a column among a case's runs; nothing where there is no contest.
 function bestOf(column, caseRuns, channel) {
   if (column.ranks === false) return null;
-  const values = caseRuns.filter((run) => !(column.paid && isFree(run))).map((run) => column.get(run, channel).value).filter(isNumber).map(Math.abs);
+  const values = caseRuns.filter((run) => !(column.paid && isFree(run)))
+                     .map((run) => column.get(run, channel).value)
+                     .filter(isNumber)
+                     .map(Math.abs);
   return values.length > 1 ? Math.min(...values) : null;
 }
 
@@ -58,12 +172,22 @@ function aligned(text, most) {
 
 function valueCell(column, run, found, text, isBest, largest) {
   const title = [found.value === null ? found.reason : "", found.note || ""].filter(Boolean).join("; ");
-  const spread = column.spread && [lookUp(run, "cost.frame_ms.min").value, lookUp(run, "cost.frame_ms.max").value];
+  const spread =
+      column.spread && [lookUp(run, "cost.frame_ms.min").value, lookUp(run, "cost.frame_ms.max").value];
   const free = column.paid && isFree(run) && column.name !== "passes";
-  return h("td", { class: [isBest ? "best" : "", found.value === null ? "dash" : "", title ? "noted" : ""].join(" ").trim(), title: title || null },
-    column.bar && h("span", { class: "bar" }, h("i", { style: `width:${100 * (found.value || 0) / largest}%;background:${styleOf(run.label).colour}` })),
-    h("span", { class: "value" }, free && found.value < 0.001 ? aligned("0", decimalsOf(text)) : text),
-    spread && isNumber(spread[0]) && !isFree(run) && h("small", {}, `${number(spread[0])}..${number(spread[1])}`));
+  return h(
+      "td", {
+        class:
+            [isBest ? "best" : "", found.value === null ? "dash" : "", title ? "noted" : ""].join(" ").trim(),
+        title: title || null
+      },
+      column.bar &&
+          h("span", {class: "bar"}, h("i", {
+              style: `width:${100 * (found.value || 0) / largest}%;background:${styleOf(run.label).colour}`
+            })),
+      h("span", {class: "value"}, free && found.value < 0.001 ? aligned("0", decimalsOf(text)) : text),
+      spread && isNumber(spread[0]) && !isFree(run) &&
+          h("small", {}, `${number(spread[0])}..${number(spread[1])}`));
 }
 
 function tableRows(c, channel) {
@@ -72,55 +196,111 @@ function tableRows(c, channel) {
     const found = ordered.map((run) => column.get(run, channel));
     const texts = found.map((f) => (column.format || number)(f.value, column.signed));
     const most = Math.max(0, ...texts.map(decimalsOf));
-    return { column, found, texts: texts.map((t) => (t === EN_DASH ? t : aligned(t, most))), best: bestOf(column, ordered, channel),
-      largest: Math.max(1e-12, ...found.map((f) => f.value || 0)) };
+    return {
+      column,
+      found,
+      texts: texts.map((t) => (t === EN_DASH ? t : aligned(t, most))),
+      best: bestOf(column, ordered, channel),
+      largest: Math.max(1e-12, ...found.map((f) => f.value || 0))
+    };
   });
-  return ordered.map((run, i) => h("tr", {},
-    h("th", { scope: "row" }, methodName(run.label), !isDistinguishable(run) && h("small", { class: "doubt" }, "not distinguishable")),
-    columns.map(({ column, found, texts, best: bestValue, largest }) => {
-      const competes = !(column.paid && isFree(run));
-      return valueCell(column, run, found[i], texts[i], competes && bestValue !== null && Math.abs(found[i].value) === bestValue && found[i].value !== null, largest);
-    })));
+  return ordered.map(
+      (run, i) =>
+          h("tr", {},
+            h("th", {scope: "row"}, methodName(run.label),
+              !isDistinguishable(run) && h("div", {}, errorText(run))),
+            columns.map(({column, found, texts, best: bestValue, largest}) => {
+              const competes = !(column.paid && isFree(run));
+              return valueCell(
+                  column, run, found[i], texts[i],
+                  competes && bestValue !== null && Math.abs(found[i].value) === bestValue &&
+                      found[i].value !== null,
+                  largest);
+            })));
 }
 
 function skippedRows(c) {
-  return c.all.filter((run) => run.skipped).map((run) => h("tr", { class: "skipped" }, h("th", { scope: "row" }, methodName(run.label)),
-    h("td", { colspan: COLUMNS.length }, "skipped: " + run.skipped)));
+  return c.all.filter((run) => run.skipped)
+      .map(
+          (run) =>
+              h("tr", {class: "skipped"}, h("th", {scope: "row"}, methodName(run.label)),
+                h("td", {colspan: COLUMNS.length}, "skipped: " + run.skipped)));
 }
 
 function tableHead() {
   const groups = unique(COLUMNS.map((column) => column.group));
   const isFirst = (column) => COLUMNS.find((other) => other.group === column.group) === column;
-  return h("thead", {},
-    h("tr", { class: "groups" }, h("th", {}), groups.map((group) => h("th", { colspan: COLUMNS.filter((column) => column.group === group).length }, group))),
-    h("tr", {}, h("th", { scope: "col" }, "Method"), COLUMNS.map((column) => h("th", { scope: "col", title: column.help, class: isFirst(column) ? "first-of-group" : "" },
-      column.name, h("small", {}, column.unit || "\u00a0")))));
+  return h(
+      "thead", {},
+      h("tr", {class: "groups"}, h("th", {}),
+        groups.map(
+            (group) => h("th", {colspan: COLUMNS.filter((column) => column.group === group).length}, group))),
+      h("tr", {}, h("th", {scope: "col"}, "Method"),
+        COLUMNS.map(
+            (column) =>
+                h("th", {scope: "col", title: column.help, class: isFirst(column) ? "first-of-group" : ""},
+                  column.name, h("small", {}, column.unit || "\u00a0")))));
 }
 
+// Why a dash stands where it does.
+function dashNotes(c, channel) {
+  const notes =
+      c.runs.flatMap((run) => COLUMNS.map((column) => ({run, column, found: column.get(run, channel)})))
+          .filter(({found}) => found.value === null)
+          .map(({run, column, found}) => JSON.stringify([columnName(column), found.reason, run.label]));
+  const byNote = new Map();
+  for (const note of notes) {
+    const [name, reason, label] = JSON.parse(note), key = `${name}: ${reason}`;
+    byNote.set(key, [...(byNote.get(key) || []), label]);
+  }
+  return byNote.size > 0 &&
+      h("p", {class: "dash-notes"},
+        [...byNote].map(
+            ([text, all]) =>
+                `${EN_DASH} ${text} (${all.length === c.runs.length ? "all" : all.join(", ")}). `));
+}
+
+const columnName = (column) => column.group === "Halo" ? "halo " + column.name :
+    column.group === "RMSE"                            ? `RMSE, ${column.name}` :
+                                                         column.name;
+
 function caseTable(c, channel) {
-  return h("div", { class: "case-table" }, h("h3", {}, caseName(c), channel === "luminance" ? null : h("span", { class: "muted" }, ` ${channelName(channel)} channel`),
-    h("span", { class: "muted" }, measuredNote(c))),
-    h("div", { class: "scroll panel" }, h("table", { class: "metrics" }, tableHead(), h("tbody", {}, tableRows(c, channel), skippedRows(c)))));
+  return h(
+      "div", {class: "case-table"},
+      h("h3", {}, caseName(c),
+        channel === "luminance" ? null : h("span", {class: "muted"}, ` ${channelName(channel)} channel`),
+        h("span", {class: "muted"}, measuredNote(c))),
+      h("div", {class: "scroll panel"},
+        h("table", {class: "metrics"}, tableHead(), h("tbody", {}, tableRows(c, channel), skippedRows(c)))),
+      dashNotes(c, channel));
 }
 
 function measuredNote(c) {
   const pixels = c.runs.map((run) => lookUp(run, "metrics.pixels").value).find(isNumber);
   const low = (c.truth || {}).low_mass_pixels;
-  return `  ${count(pixels)} skin pixels` + (low > 0 ? `; ${count(low)} more with mass below 0.5 not measured` : "");
+  return `  ${count(pixels)} skin pixels` +
+      (low > 0 ? `; ${count(low)} more with mass below 0.5 not measured` : "");
 }
 
 function definitions() {
-  const entries = COLUMNS.map((column) => [column.group === "Halo" ? "halo " + column.name : column.group === "RMSE" ? `RMSE, ${column.name}` : column.name, column.help.replace(/^[a-z_0-9.]+: /, "")]);
-  return h("div", { class: "definitions" }, h("h3", {}, "How to read the columns"),
-    h("dl", {}, entries.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text)))));
+  const entries = COLUMNS.map((column) => [columnName(column), column.help.replace(/^[a-z_0-9.]+: /, "")]);
+  return h(
+      "div", {class: "definitions"}, h("h3", {}, "How to read the columns"),
+      h("dl", {}, entries.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text)))));
 }
 
 function tableSection() {
   const tables = h("div", {}, cases.map((c) => caseTable(c, "luminance")));
-  const channel = choice("Channel", CHANNELS, "luminance", (value) => tables.replaceChildren(...cases.map((c) => caseTable(c, value))));
-  return section("metrics", "Metrics and costs",
-    [h("b", {}, `Headline target: ${headlineTarget}`), ". Sorted by relative RMSE; the best of each column is lit (methods without a pass do not compete on cost). ",
-      "Own-target RMSE is the filter\u2019s error, against the very integral that the method aims at; the rest of the headline RMSE is the model\u2019s error, of aiming at that integral. ",
-      `Errors are in units of irradiance${errorExponent === 0 ? "" : `, here ${errorUnit}`}. `, timingNote()],
-    h("div", { class: "controls" }, channel.element), tables, definitions());
+  const channel = choice(
+      "Channel", CHANNELS, "luminance",
+      (value) => tables.replaceChildren(...cases.map((c) => caseTable(c, value))));
+  return section(
+      "metrics", "Metrics and costs",
+      [
+        h("b", {}, `Headline target: ${headlineTarget}`),
+        ". Sorted by relative RMSE; the best of each column is lit (methods without a pass do not compete on cost). ",
+        "Own-target RMSE is the filter\u2019s error, against the very integral that the method aims at; the rest of the headline RMSE is the model\u2019s error, of aiming at that integral. ",
+        `Errors are in units of irradiance${errorExponent === 0 ? "" : `, here ${errorUnit}`}. `, timingNote()
+      ],
+      h("div", {class: "controls"}, channel.element), tables, definitions());
 }

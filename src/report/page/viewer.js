@@ -1,13 +1,23 @@
 // The viewer: a large comparison with a slider, and all methods beside it, zoomed and panned as one.
 
-const viewerState = { c: cases[0], kind: "magnitude", compareKind: "picture", left: "truth", right: null, split: 50, zoom: 1, x: 0, y: 0 };
+const viewerState = {
+  c: cases[0],
+  kind: "magnitude",
+  compareKind: "picture",
+  left: "truth",
+  right: null,
+  split: 50,
+  zoom: 1,
+  x: 0,
+  y: 0
+};
 const viewerParts = {};
 
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 
 // Position is a share of a pane's size, so that panes of any size show the same place.
 function placePanes() {
-  const { zoom, x, y } = viewerState;
+  const {zoom, x, y} = viewerState;
   viewerParts.root.style.setProperty("--place", `translate(${100 * x}%, ${100 * y}%) scale(${zoom})`);
   viewerParts.root.classList.toggle("close", zoom >= 3);
   viewerParts.zoom.textContent = `${number(zoom)}${TIMES}`;
@@ -41,36 +51,52 @@ function onWheel(event) {
   if (!event.ctrlKey && !viewerParts.root.contains(document.activeElement)) return;
   event.preventDefault();
   const box = event.currentTarget.getBoundingClientRect();
-  zoomAt(Math.exp(-0.0016 * event.deltaY), (event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
+  zoomAt(
+      Math.exp(-0.0016 * event.deltaY), (event.clientX - box.left) / box.width,
+      (event.clientY - box.top) / box.height);
 }
 
 function startDrag(event, pane, slides) {
-  const box = pane.getBoundingClientRect(), from = { x: viewerState.x, y: viewerState.y };
-  pane.focus({ preventScroll: true });
+  const box = pane.getBoundingClientRect(), from = {x: viewerState.x, y: viewerState.y};
+  pane.focus({preventScroll: true});
   pane.setPointerCapture(event.pointerId);
   const move = (e) => {
-    if (slides) setSplit(100 * (e.clientX - box.left) / box.width);
-    else moveTo(from.x + (e.clientX - event.clientX) / box.width, from.y + (e.clientY - event.clientY) / box.height);
+    if (slides)
+      setSplit(100 * (e.clientX - box.left) / box.width);
+    else
+      moveTo(
+          from.x + (e.clientX - event.clientX) / box.width,
+          from.y + (e.clientY - event.clientY) / box.height);
   };
   const stop = () => pane.removeEventListener("pointermove", move);
   pane.addEventListener("pointermove", move);
-  pane.addEventListener("pointerup", stop, { once: true });
-  pane.addEventListener("pointercancel", stop, { once: true });
+  pane.addEventListener("pointerup", stop, {once: true});
+  pane.addEventListener("pointercancel", stop, {once: true});
 }
 
-const KEY_MOVES = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
+const KEY_MOVES = {
+  ArrowLeft: [0.1, 0],
+  ArrowRight: [-0.1, 0],
+  ArrowUp: [0, 0.1],
+  ArrowDown: [0, -0.1]
+};
 
 function onKey(event) {
-  if (event.key === "+" || event.key === "=") zoomAt(1.5, 0.5, 0.5);
-  else if (event.key === "-") zoomAt(1 / 1.5, 0.5, 0.5);
-  else if (event.key === "0") resetPlace();
-  else if (KEY_MOVES[event.key]) moveTo(viewerState.x + KEY_MOVES[event.key][0], viewerState.y + KEY_MOVES[event.key][1]);
-  else return;
+  if (event.key === "+" || event.key === "=")
+    zoomAt(1.5, 0.5, 0.5);
+  else if (event.key === "-")
+    zoomAt(1 / 1.5, 0.5, 0.5);
+  else if (event.key === "0")
+    resetPlace();
+  else if (KEY_MOVES[event.key])
+    moveTo(viewerState.x + KEY_MOVES[event.key][0], viewerState.y + KEY_MOVES[event.key][1]);
+  else
+    return;
   event.preventDefault();
 }
 
 function onHandleKey(event) {
-  const step = { ArrowLeft: -2, ArrowRight: 2, Home: -100, End: 100 }[event.key];
+  const step = {ArrowLeft: -2, ArrowRight: 2, Home: -100, End: 100}[event.key];
   if (step === undefined) return;
   setSplit(viewerState.split + step);
   event.preventDefault();
@@ -78,8 +104,8 @@ function onHandleKey(event) {
 }
 
 function pane(children, slides) {
-  const element = h("div", { class: "pane", tabindex: "0", onwheel: null }, children);
-  element.addEventListener("wheel", onWheel, { passive: false });
+  const element = h("div", {class: "pane", tabindex: "0", onwheel: null}, children);
+  element.addEventListener("wheel", onWheel, {passive: false});
   element.addEventListener("keydown", onKey);
   element.addEventListener("dblclick", resetPlace);
   element.addEventListener("pointerdown", (event) => {
@@ -91,41 +117,59 @@ function pane(children, slides) {
   return element;
 }
 
-const sourceName = (source, kind) => source === "truth" ? "truth" : source === "irradiance" || kind === "irradiance" ? "irradiance"
-  : source + (kind === "picture" ? "" : kind === "magnitude" ? ", |error|" : ", signed error");
+const sourceName = (source, kind) => source === "truth" ? "truth" :
+    source === "irradiance" || kind === "irradiance"    ? "irradiance" :
+                                                          source +
+        (kind === "picture"       ? "" :
+             kind === "magnitude" ? ", |error|" :
+                                    ", signed error");
 
 function fullSizeLink(shown) {
-  return shown.path ? h("a", { href: linkTo(shown.path), title: "The full-size file in maps/" }, "\u2197") : null;
+  return shown.path ? h("a", {href: linkTo(shown.path), title: "The full-size file in maps/"}, "\u2197") :
+                      null;
 }
 
 function comparison() {
-  const { c, compareKind: kind, left, right } = viewerState;
+  const {c, compareKind: kind, left, right} = viewerState;
   const a = pictureOf(c, left, kind), b = pictureOf(c, right, kind);
   viewerParts.large.style.aspectRatio = viewAspect(c);
   viewerParts.handle.setAttribute("aria-label", "Divide between the two pictures");
   viewerParts.large.replaceChildren(
-    h("div", { class: "layer" }, cropped(c, b, sourceName(right, kind))),
-    h("div", { class: "layer over" }, cropped(c, a, sourceName(left, kind))),
-    h("span", { class: "tag left" }, sourceName(left, kind)), h("span", { class: "tag right" }, sourceName(right, kind)), viewerParts.handle);
-  viewerParts.links.replaceChildren("Full size: ", h("span", {}, listed([a, b].filter((p) => p.path).map((p) =>
-    h("a", { href: linkTo(p.path) }, p.path.split("/").pop())))));
+      h("div", {class: "layer"}, cropped(c, b, sourceName(right, kind))),
+      h("div", {class: "layer over"}, cropped(c, a, sourceName(left, kind))),
+      h("span", {class: "tag left"}, sourceName(left, kind)),
+      h("span", {class: "tag right"}, sourceName(right, kind)), viewerParts.handle);
+  viewerParts.links.replaceChildren(
+      "Full size: ",
+      h("span", {}, listed([
+          a, b
+        ].filter((p) => p.path).map((p) => h("a", {href: linkTo(p.path)}, p.path.split("/").pop())))));
 }
 
 function tile(source) {
-  const { c, kind } = viewerState, run = c.all.find((r) => r.label === source);
+  const {c, kind} = viewerState, run = c.all.find((r) => r.label === source);
   const shown = pictureOf(c, source, kind);
-  const name = run ? methodName(source) : h("span", { class: "method" }, source === "truth" ? "Truth" : "Irradiance");
-  return h("figure", { class: "tile" + (source === viewerState.right ? " chosen" : "") },
-    h("figcaption", {}, run ? h("button", { type: "button", title: "Compare with this one", onclick: () => chooseRight(source) }, name) : name,
-      run && run.metrics && h("b", {}, isDistinguishable(run) ? percent(relativeError(run)) : "\u2248 0"), fullSizeLink(shown)),
-    pane(cropped(c, shown, sourceName(source, kind)), false));
+  const name =
+      run ? methodName(source) : h("span", {class: "method"}, source === "truth" ? "Truth" : "Irradiance");
+  return h(
+      "figure", {class: "tile" + (source === viewerState.right ? " chosen" : "")},
+      h("figcaption", {},
+        run ? h("button",
+                {type: "button", title: "Compare with this one", onclick: () => chooseRight(source)}, name) :
+              name,
+        run && run.metrics && h("b", {}, errorText(run)), fullSizeLink(shown)),
+      pane(cropped(c, shown, sourceName(source, kind)), false));
 }
 
 function showTiles() {
-  const { c, kind } = viewerState;
+  const {c, kind} = viewerState;
   const methods = [...c.runs].sort(byError).map((run) => run.label);
-  viewerParts.tiles.replaceChildren(...(kind === "irradiance" ? ["irradiance"] : kind === "picture" ? ["truth", ...methods] : methods).map(tile));
-  viewerParts.bar.replaceChildren(...[kind === "magnitude" || kind === "signed" ? colourBar(c, kind) : null].filter(Boolean));
+  viewerParts.tiles.replaceChildren(...(kind === "irradiance"  ? ["irradiance"] :
+                                            kind === "picture" ? ["truth", ...methods] :
+                                                                 methods)
+                                        .map(tile));
+  viewerParts.bar.replaceChildren(
+      ...[kind === "magnitude" || kind === "signed" ? colourBar(c, kind) : null].filter(Boolean));
 }
 
 function chooseRight(source) {
@@ -134,14 +178,24 @@ function chooseRight(source) {
 }
 
 function selector(caption, name, withTruth) {
-  const options = [...(withTruth ? ["truth", "irradiance"] : []), ...viewerState.c.runs.map((run) => run.label)];
-  return h("label", {}, caption + " ", h("select", { onchange: (event) => { viewerState[name] = event.target.value; showViewer(); } },
-    options.map((o) => h("option", { value: o, selected: o === viewerState[name] }, o))));
+  const options =
+      [...(withTruth ? ["truth", "irradiance"] : []), ...viewerState.c.runs.map((run) => run.label)];
+  return h(
+      "label", {}, caption + " ",
+      h("select", {
+        onchange: (event) => {
+          viewerState[name] = event.target.value;
+          showViewer();
+        }
+      },
+        options.map((o) => h("option", {value: o, selected: o === viewerState[name]}, o))));
 }
 
 function showViewer() {
   const known = viewerState.c.runs.map((run) => run.label);
-  if (!known.includes(viewerState.right)) viewerState.right = ([...viewerState.c.runs].sort(byError).find((run) => !isFree(run)) || {}).label || known[0];
+  if (!known.includes(viewerState.right))
+    viewerState.right =
+        ([...viewerState.c.runs].sort(byError).find((run) => !isFree(run)) || {}).label || known[0];
   if (!known.includes(viewerState.left) && viewerState.left !== "irradiance") viewerState.left = "truth";
   viewerParts.pickers.replaceChildren(selector("Left", "left", true), selector("Right", "right", false));
   viewerParts.facts.replaceChildren(...chosenFacts());
@@ -156,29 +210,33 @@ function openViewer(c, source, kind) {
   viewerParts.compareKind.show(kind === "irradiance" ? "picture" : kind);
   viewerParts.kind.show(kind);
   for (const which of ["view", "profile"]) viewerParts[which].mark(c[which]);
-  viewerParts.root.scrollIntoView({ behavior: "smooth", block: "start" });
+  viewerParts.root.scrollIntoView({behavior: "smooth", block: "start"});
 }
 
 // Another view or profile; where the pair was not run, the nearest case that was.
 function chooseCase(which, value) {
-  const wanted = { ...viewerState.c, [which]: value };
-  viewerState.c = cases.find((c) => c.view === wanted.view && c.profile === wanted.profile) || cases.find((c) => c[which] === value);
+  const wanted = {...viewerState.c, [which]: value};
+  viewerState.c = cases.find((c) => c.view === wanted.view && c.profile === wanted.profile) ||
+      cases.find((c) => c[which] === value);
   for (const other of ["view", "profile"]) viewerParts[other].mark(viewerState.c[other]);
   showViewer();
 }
 
 function caseChoice(caption, which, title) {
-  const options = unique(cases.map((c) => c[which])).map((value) => ({ value, text: title(value) }));
+  const options = unique(cases.map((c) => c[which])).map((value) => ({value, text: title(value)}));
   return choice(caption, options, viewerState.c[which], (value) => chooseCase(which, value));
 }
 
 function viewerControls() {
   viewerParts.view = caseChoice("View", "view", (name) => name);
   viewerParts.profile = caseChoice("Profile", "profile", profileTitle);
-  const zoomButton = (text, title, action) => h("button", { type: "button", title, onclick: action }, text);
-  return h("div", { class: "controls" }, viewerParts.view.element, viewerParts.profile.element,
-    h("div", { class: "choice" }, h("span", { class: "caption" }, "Zoom ", viewerParts.zoom), zoomButton("+", "Closer (+)", () => zoomAt(1.5, 0.5, 0.5)),
-      zoomButton(MINUS, "Farther (-)", () => zoomAt(1 / 1.5, 0.5, 0.5)), zoomButton("Fit", "Whole picture (0)", resetPlace)));
+  const zoomButton = (text, title, action) => h("button", {type: "button", title, onclick: action}, text);
+  return h(
+      "div", {class: "controls"}, viewerParts.view.element, viewerParts.profile.element,
+      h("div", {class: "choice"}, h("span", {class: "caption"}, "Zoom ", viewerParts.zoom),
+        zoomButton("+", "Closer (+)", () => zoomAt(1.5, 0.5, 0.5)),
+        zoomButton(MINUS, "Farther (-)", () => zoomAt(1 / 1.5, 0.5, 0.5)),
+        zoomButton("Fit", "Whole picture (0)", resetPlace)));
 }
 
 // What the chosen method's error and cost are, below the tiles.
@@ -186,33 +244,69 @@ function chosenFacts() {
   const run = viewerState.c.runs.find((r) => r.label === viewerState.right);
   if (!run) return [];
   const value = (path) => lookUp(run, path).value;
-  return [h("h4", {}, methodName(run.label), h("span", { class: "muted" }, " " + (run.title || ""))), facts([
-    ["RMSE / RMS of truth", isDistinguishable(run) ? percent(relativeError(run)) : "not distinguishable from the truth"],
-    ["p99 of |error|", scientific(value("metrics.p99"))], ["FLIP, mean", number(value("metrics.flip"))],
-    ["Halo peak, width", `${percent(value("metrics.halo.peak"))}, ${isNumber(value("metrics.halo.width_mm")) ? number(value("metrics.halo.width_mm")) + " mm" : EN_DASH}`],
-    ["Frame time", isFree(run) ? "no pass" : `${number(frameMs(run))} ms, ${isSoftware ? "software rasteriser" : "GPU"}`],
-    ["Settings", settingsText(run.settings)]])];
+  return [
+    h("h4", {}, methodName(run.label), h("span", {class: "muted"}, " " + (run.title || ""))), facts([
+      [
+        "RMSE / RMS of truth",
+        isDistinguishable(run) ? percent(relativeError(run)) : "not distinguishable from the truth"
+      ],
+      ["p99 of |error|", scientific(value("metrics.p99"))], ["FLIP, mean", number(value("metrics.flip"))],
+      [
+        "Halo peak, width",
+        `${percent(value("metrics.halo.peak"))}, ${
+            isNumber(value("metrics.halo.width_mm")) ? number(value("metrics.halo.width_mm")) + " mm" :
+                                                       EN_DASH}`
+      ],
+      [
+        "Frame time",
+        isFree(run) ? "no pass" : `${number(frameMs(run))} ms, ${isSoftware ? "software rasteriser" : "GPU"}`
+      ],
+      ["Settings", settingsText(run.settings)]
+    ])
+  ];
 }
 
 function viewer() {
   if (!cases.some((c) => c.runs.length > 0)) return null;
   viewerState.c = cases.find((c) => c.runs.length > 0);
   viewerParts.zoom = h("output", {}, "");
-  viewerParts.pickers = h("div", { class: "pickers" });
-  viewerParts.handle = h("div", { class: "handle", role: "slider", tabindex: "0", "aria-valuemin": 0, "aria-valuemax": 100, onkeydown: onHandleKey }, h("i", {}));
+  viewerParts.pickers = h("div", {class: "pickers"});
+  viewerParts.handle =
+      h("div", {
+        class: "handle",
+        role: "slider",
+        tabindex: "0",
+        "aria-valuemin": 0,
+        "aria-valuemax": 100,
+        onkeydown: onHandleKey
+      },
+        h("i", {}));
   viewerParts.large = pane([], true);
   viewerParts.large.classList.add("large");
-  viewerParts.links = h("span", { class: "links" });
-  viewerParts.bar = h("div", { class: "viewer-bar" });
-  viewerParts.tiles = h("div", { class: "tiles" });
-  viewerParts.root = h("div", { class: "viewer panel", id: "viewer" });
-  viewerParts.facts = h("div", { class: "chosen-facts" });
-  viewerParts.compareKind = choice("as", KINDS.slice(0, 3), viewerState.compareKind, (kind) => { viewerState.compareKind = kind; showViewer(); });
-  viewerParts.kind = choice("All methods", KINDS, viewerState.kind, (kind) => { viewerState.kind = kind; showViewer(); });
-  append(viewerParts.root, [viewerControls(), h("div", { class: "stage" }, h("div", { class: "compare" },
-    h("div", { class: "controls" }, viewerParts.pickers, viewerParts.compareKind.element), viewerParts.large,
-    h("p", { class: "hint" }, viewerParts.links, h("br", {}), "Drag the divider; click, then wheel to zoom and drag to pan; keys + \u2212 0 and arrows; double-click fits.")),
-    h("div", { class: "beside" }, h("div", { class: "controls" }, viewerParts.kind.element), viewerParts.tiles, viewerParts.bar, viewerParts.facts))]);
+  viewerParts.links = h("span", {class: "links"});
+  viewerParts.bar = h("div", {class: "viewer-bar"});
+  viewerParts.tiles = h("div", {class: "tiles"});
+  viewerParts.root = h("div", {class: "viewer panel", id: "viewer"});
+  viewerParts.facts = h("div", {class: "chosen-facts"});
+  viewerParts.compareKind = choice("as", KINDS.slice(0, 3), viewerState.compareKind, (kind) => {
+    viewerState.compareKind = kind;
+    showViewer();
+  });
+  viewerParts.kind = choice("All methods", KINDS, viewerState.kind, (kind) => {
+    viewerState.kind = kind;
+    showViewer();
+  });
+  append(viewerParts.root, [
+    viewerControls(),
+    h("div", {class: "stage"},
+      h("div", {class: "compare"},
+        h("div", {class: "controls"}, viewerParts.pickers, viewerParts.compareKind.element),
+        viewerParts.large,
+        h("p", {class: "hint"}, viewerParts.links, h("br", {}),
+          "Drag the divider; click, then wheel to zoom and drag to pan; keys + \u2212 0 and arrows; double-click fits.")),
+      h("div", {class: "beside"}, h("div", {class: "controls"}, viewerParts.kind.element), viewerParts.tiles,
+        viewerParts.bar, viewerParts.facts))
+  ]);
   setSplit(50);
   showViewer();
   return viewerParts.root;
