@@ -82,13 +82,33 @@ Image scaled_rows(const Image& image, int height) {
   return result;
 }
 
-// The file's bytes are sRGB-encoded; light adds up before that.
+// A function on [0, 1] by table; the last entry stands for 1.
+template <std::size_t N>
+class Table {
+ public:
+  explicit Table(double (*function)(double)) {
+    for (std::size_t i = 0; i < N; ++i) {
+      values_[i] = static_cast<float>(function(static_cast<double>(i) / static_cast<double>(N - 1)));
+    }
+  }
+  float operator()(float x) const {
+    return values_[static_cast<std::size_t>(std::clamp(x, 0.0F, 1.0F) * static_cast<float>(N - 1) + 0.5F)];
+  }
+
+ private:
+  std::array<float, N> values_{};
+};
+
+// The file's bytes are sRGB-encoded; light adds up before that. 256 values go in, and the tables' steps are
+// well below one of the 256 that come out.
 Image scaled_down(Image image, int width) {
-  for (float& v : image.data()) v = static_cast<float>(srgb_decode(v));
+  static const Table<256> decode(srgb_decode);
+  static const Table<16384> encode(srgb_encode);
+  for (float& v : image.data()) v = decode(v);
   const double ratio = static_cast<double>(width) / image.width();
   const int height = std::max(1, static_cast<int>(std::lround(image.height() * ratio)));
   Image result = scaled_rows(scaled_columns(image, width), height);
-  for (float& v : result.data()) v = static_cast<float>(srgb_encode(v));
+  for (float& v : result.data()) v = encode(v);
   return result;
 }
 

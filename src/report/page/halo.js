@@ -173,9 +173,12 @@ function haloSection() {
       choice("Channel", CHANNELS, "luminance", (value) => rows.replaceChildren(...haloRows(value)));
   return section(
       "halos", "Halos at silhouettes",
-      ["Relative error, in %, of each bin of the distance \u03b4 to the nearest contour: sum(test \u2212 truth) / sum(truth). " +
-       "s is the profile\u2019s widest standard deviation; the band is \u00b11 %, beyond which the halo\u2019s width is counted; " +
-       "px: skin pixels within 3s. One vertical axis per row, linear within the band and logarithmic beyond."],
+      ["Relative error, in %, of each bin of the distance \u03b4 to the nearest contour: sum(test " +
+       "\u2212 truth) / sum(truth). " +
+       "s is the profile\u2019s widest standard deviation; the band is \u00b11 %, beyond which the " +
+       "halo\u2019s width is counted; " +
+       "px: skin pixels within 3s. One vertical axis per row, linear within the band and logarithmic " +
+       "beyond."],
       h("div", {class: "controls"}, channel.element), legend(), rows);
 }
 

@@ -93,7 +93,8 @@ function truthColumn(c) {
       "div", {class: "column"}, h("div", {class: "column-head"}, h("span", {class: "method"}, "Truth")),
       sheetPicture(c, "truth", "picture", "truth"), sheetPicture(c, "irradiance", "irradiance", "irradiance"),
       h("p", {class: "note-box"},
-        "Above: irradiance, what every method starts from. Right: |error| and signed error of luminance, one range for the whole run."),
+        "Above: irradiance, what every method starts from. Right: |error| and signed error of " +
+            "luminance, one range for the whole run."),
       h("div", {class: "bars"}, h("span", {}, "|error|"), colourBar(c, "magnitude"),
         h("span", {}, "test \u2212 truth"), colourBar(c, "signed")));
 }
@@ -109,7 +110,8 @@ function pictureSection() {
   const maps = results.maps || {};
   return section(
       "pictures", "Pictures",
-      ["Truth and every method, least error first: rendered, |error|, signed error (test \u2212 truth; orange: too bright, blue: too dark), of " +
+      ["Truth and every method, least error first: rendered, |error|, signed error (test \u2212 truth; " +
+       "orange: too bright, blue: too dark), of " +
        `${maps.quantity || "luminance"}. One colour range, ${
            isNumber(maps.range) ? `\u00b1${maps.range}` : "fixed"}, for every map of the run. ` +
        "The percentage is the RMSE relative to the truth\u2019s RMS. Click a picture to look closely."],

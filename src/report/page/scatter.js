@@ -271,7 +271,8 @@ function costSection() {
       "speed", "Speed against accuracy",
       [
         timingNote(),
-        " Whiskers run from the least to the most. The line is the Pareto front: nothing below and to the left of it. Left by time, right by fetches, " +
+        " Whiskers run from the least to the most. The line is the Pareto front: nothing below and to " +
+            "the left of it. Left by time, right by fetches, " +
             "which do not depend on the rasteriser; same axes everywhere."
       ],
       costCharts());

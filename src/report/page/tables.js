@@ -46,8 +46,8 @@ const COLUMNS = [
     unit: errorUnit,
     get: ownError,
     ranks: false,
-    help:
-        "The same against the integral that the method itself aims at: the filter\u2019s error. What the headline RMSE has beyond it is the model\u2019s."
+    help: "The same against the integral that the method itself aims at: the filter\u2019s error. What " +
+        "the headline RMSE has beyond it is the model\u2019s."
   },
   {group: "Error", name: "MAE", unit: errorUnit, get: inUnits(metric("mae")), help: "mae: (1/n) sum |e|"}, {
     group: "Error",
@@ -77,8 +77,8 @@ const COLUMNS = [
     name: "peak",
     unit: "%",
     get: inPercent(metric("halo.peak")),
-    help:
-        "halo.peak: largest |relative error| of a bin of \u03b4; of a bin: sum(test \u2212 truth) / sum(truth)"
+    help: "halo.peak: largest |relative error| of a bin of \u03b4; of a bin: sum(test \u2212 truth) / " +
+        "sum(truth)"
   },
   {
     group: "Halo",
@@ -298,8 +298,10 @@ function tableSection() {
       "metrics", "Metrics and costs",
       [
         h("b", {}, `Headline target: ${headlineTarget}`),
-        ". Sorted by relative RMSE; the best of each column is lit (methods without a pass do not compete on cost). ",
-        "Own-target RMSE is the filter\u2019s error, against the very integral that the method aims at; the rest of the headline RMSE is the model\u2019s error, of aiming at that integral. ",
+        ". Sorted by relative RMSE; the best of each column is lit (methods without a pass do not " +
+            "compete on cost). ",
+        "Own-target RMSE is the filter\u2019s error, against the very integral that the method aims at; " +
+            "the rest of the headline RMSE is the model\u2019s error, of aiming at that integral. ",
         `Errors are in units of irradiance${errorExponent === 0 ? "" : `, here ${errorUnit}`}. `, timingNote()
       ],
       h("div", {class: "controls"}, channel.element), tables, definitions());

@@ -303,7 +303,8 @@ function viewer() {
         h("div", {class: "controls"}, viewerParts.pickers, viewerParts.compareKind.element),
         viewerParts.large,
         h("p", {class: "hint"}, viewerParts.links, h("br", {}),
-          "Drag the divider; click, then wheel to zoom and drag to pan; keys + \u2212 0 and arrows; double-click fits.")),
+          "Drag the divider; click, then wheel to zoom and drag to pan; keys + \u2212 0 and arrows; " +
+              "double-click fits.")),
       h("div", {class: "beside"}, h("div", {class: "controls"}, viewerParts.kind.element), viewerParts.tiles,
         viewerParts.bar, viewerParts.facts))
   ]);
