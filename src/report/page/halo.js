@@ -98,6 +98,7 @@ function haloAxes(x, y, yRange, xMax, widest, frame) {
       linearTicks([0, xMax], 5)
           .map(
               (tick) => s("text", {x: x(tick), y: frame.bottom + 15, "text-anchor": "middle"}, String(tick))),
+      s("text", {class: "label", x: frame.left - 6, y: frame.top - 5, "text-anchor": "end"}, "%"),
       s("text",
         {class: "label", x: (frame.left + frame.right) / 2, y: HALO.height - 4, "text-anchor": "middle"},
         "\u03b4, mm from the silhouette"));
