@@ -9,9 +9,6 @@
 namespace truescatter {
 namespace {
 
-// Beyond 8.6 standard deviations lies exp(-8.6^2 / 2) = 9e-17 of a Gaussian's mass.
-constexpr double kSearchRadiusStdDevs = 8.6;
-
 // (1/2pi) atan(t/p) - T(|p|/s, t/p): the first edge integral's antiderivative for F(h) = -1/2pi. The angle is
 // taken from the same quotient as Owen's T, so that the two cancel for a point on the edge (p = 0).
 double angle_minus_owen(double p, double t, double std_dev) {
@@ -39,7 +36,7 @@ Vec4d convolve_triangle_exact(const SurfaceTriangle& triangle, const Vec3d& poin
 }
 
 Vec4d ExactEngine::convolve(const SurfacePoint& point, const TruthLayer& layer) const {
-  const double radius_mm = std::min(layer.r_max_mm, kSearchRadiusStdDevs * layer.std_dev_mm);
+  const double radius_mm = std::min(layer.r_max_mm, search_std_devs_ * layer.std_dev_mm);
   std::vector<std::uint32_t> near;
   tree_.find(point.position_mm, radius_mm, point.component, near);
   Vec4d sum = Vec4d::Zero();

@@ -21,11 +21,13 @@ Vec4d convolve_triangle_exact(const SurfaceTriangle& triangle, const Vec3d& poin
 // The integrals along a piece of an edge inside the cut-off, in closed form: Owen's T and erf.
 EdgeIntegrals edge_inside_exact(double p, double t0, double t1, double std_dev_mm, double at_foot);
 
-// The exact engine: the closed form over every triangle that matters to rounding (the mass beyond the search
-// radius is below 1e-16 on a plane). The certifier; slow.
+// The exact engine: the closed form over every triangle within `search_std_devs`. By default every one that
+// matters to rounding: beyond 8.6 standard deviations lies exp(-8.6^2 / 2) = 9e-17 of a plane's mass. The
+// certifier; slow.
 class ExactEngine {
  public:
-  explicit ExactEngine(const Surface& surface) : surface_(surface), tree_(surface) {}
+  explicit ExactEngine(const Surface& surface, double search_std_devs = 8.6)
+      : surface_(surface), tree_(surface), search_std_devs_(search_std_devs) {}
 
   Vec4d convolve(const SurfacePoint& point, const TruthLayer& layer) const;
   // Every layer at every point, in parallel: [layer][point].
@@ -34,6 +36,7 @@ class ExactEngine {
  private:
   const Surface& surface_;
   TriangleTree tree_;
+  double search_std_devs_;
 };
 
 }  // namespace truescatter

@@ -72,13 +72,13 @@ struct Split {
   int parts = 1;                       // per edge
 };
 
-// Largest x for each rule such that 2 x^d / sqrt(d!) <= budget.
+// Largest x for each rule such that C_d x^d / sqrt(d!) <= budget.
 class RuleChooser {
  public:
   explicit RuleChooser(double budget) {
     for (const TriangleRule& rule : triangle_rules()) {
       const double root_factorial = std::sqrt(std::tgamma(rule.degree + 1.0));
-      limits_.push_back(std::pow(0.5 * budget * root_factorial, 1.0 / rule.degree));
+      limits_.push_back(std::pow(budget * root_factorial / rule.remainder, 1.0 / rule.degree));
     }
   }
 

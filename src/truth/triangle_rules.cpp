@@ -65,7 +65,8 @@ std::vector<TriangleNode> degree8() {
 std::span<const TriangleRule> triangle_rules() {
   static const std::array<std::vector<TriangleNode>, 4> nodes = {degree2(), degree4(), degree5(), degree8()};
   static const std::array<TriangleRule, 4> rules = {
-      TriangleRule{2, nodes[0]}, TriangleRule{4, nodes[1]}, TriangleRule{5, nodes[2]}, TriangleRule{8, nodes[3]}};
+      TriangleRule{2, 0.4999, nodes[0]}, TriangleRule{4, 0.1999, nodes[1]}, TriangleRule{5, 0.1365, nodes[2]},
+      TriangleRule{8, 0.0628, nodes[3]}};
   return rules;
 }
 

@@ -16,6 +16,10 @@ struct TriangleNode {
 // with positive weights and all nodes inside.
 struct TriangleRule {
   int degree;
+  // With rho = distance from the centroid over the farthest corner's: the rule's sum plus the exact mean of
+  // rho^degree, for the equilateral triangle, which has the largest of any shape. It bounds the error of
+  // integrating a remainder of at most rho^degree.
+  double remainder;
   std::span<const TriangleNode> nodes;
 };
 
