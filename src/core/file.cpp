@@ -14,6 +14,15 @@ std::filesystem::path temporary_sibling(const std::filesystem::path& path) {
   return path.parent_path() / fmt::format(".{}.{}.part{}", path.stem().string(), getpid(), path.extension().string());
 }
 
+void commit_temporary(const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  std::error_code failure;
+  std::filesystem::rename(temporary, path, failure);
+  if (!failure) return;
+  std::error_code ignored;
+  std::filesystem::remove(temporary, ignored);
+  throw_run_error("{}: cannot write this file: {}", path.string(), failure.message());
+}
+
 void write_text_file(const std::filesystem::path& path, std::string_view text) {
   const std::filesystem::path temporary = temporary_sibling(path);
   {
@@ -26,7 +35,7 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
       throw_run_error("{}: cannot write this file (permissions, or a full disk?)", path.string());
     }
   }
-  std::filesystem::rename(temporary, path);
+  commit_temporary(temporary, path);
 }
 
 std::string read_text_file(const std::filesystem::path& path) {

@@ -9,6 +9,10 @@ namespace truescatter {
 // A name beside `path` for a file that is renamed to `path` once it is whole; unique per process.
 std::filesystem::path temporary_sibling(const std::filesystem::path& path);
 
+// Renames a whole temporary to `path`. Where that fails, removes the temporary and throws Error (run) that
+// names `path`.
+void commit_temporary(const std::filesystem::path& temporary, const std::filesystem::path& path);
+
 // Writes a whole text file through a temporary and a rename, so that it appears whole or not at all.
 // Throws Error (run) that names the file.
 void write_text_file(const std::filesystem::path& path, std::string_view text);

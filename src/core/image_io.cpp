@@ -13,6 +13,9 @@
 namespace truescatter {
 namespace {
 
+// Colours are written and read as they are, not divided or multiplied by a fourth channel.
+constexpr const char* kUnassociatedAlpha = "oiio:UnassociatedAlpha";
+
 std::string channel_name(const ExrLayer& layer, int channel) {
   static constexpr std::array<const char*, 4> kColour = {"R", "G", "B", "A"};
   static constexpr std::array<const char*, 4> kVector = {"X", "Y", "Z", "W"};
@@ -33,7 +36,7 @@ void write_with_oiio(const std::filesystem::path& path, const OIIO::ImageSpec& s
     std::filesystem::remove(temporary, ignored);
     throw_run_error("{}: cannot write image: {}", path.string(), reason);
   }
-  std::filesystem::rename(temporary, path);
+  commit_temporary(temporary, path);
 }
 
 }  // namespace
@@ -72,13 +75,16 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   std::transform(image.data().begin(), image.data().end(), bytes.begin(), [](float v) {
     return static_cast<unsigned char>(std::lround(std::clamp(v, 0.0F, 1.0F) * 255.0F));
   });
-  const OIIO::ImageSpec spec(image.width(), image.height(), image.channels(), OIIO::TypeDesc::UINT8);
+  OIIO::ImageSpec spec(image.width(), image.height(), image.channels(), OIIO::TypeDesc::UINT8);
+  spec.attribute(kUnassociatedAlpha, 1);
   write_with_oiio(path, spec, OIIO::TypeDesc::UINT8, bytes.data());
 }
 
 Image read_image(const std::filesystem::path& path, std::vector<std::string>* channel_names) {
   if (!std::filesystem::exists(path)) throw_input_error({path.string()}, "no such file");
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string());
+  OIIO::ImageSpec as_stored;
+  as_stored.attribute(kUnassociatedAlpha, 1);
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &as_stored);
   if (!input) throw_input_error({path.string()}, "cannot read this image: {}", OIIO::geterror());
   const OIIO::ImageSpec& spec = input->spec();
   if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.depth > 1) {
@@ -98,8 +104,8 @@ Image read_exr_layer(const std::filesystem::path& path, const std::string& layer
   const Image all = read_image(path, &names);
   std::vector<int> chosen;
   for (std::size_t c = 0; c < names.size(); ++c) {
-    const bool inside = layer.empty() ? names[c].find('.') == std::string::npos
-                                      : names[c] == layer || names[c].starts_with(layer + ".");
+    const bool inside =
+        layer.empty() ? names[c].size() == 1 : names[c] == layer || names[c].starts_with(layer + ".");
     if (inside) chosen.push_back(static_cast<int>(c));
   }
   if (chosen.empty()) {

@@ -24,11 +24,13 @@ void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& l
 // Writes values in [0, 1], taken as they are (encode before), as an 8-bit PNG of 1, 3 or 4 channels.
 void write_png(const std::filesystem::path& path, const Image& image);
 
-// Reads any format that OpenImageIO knows. 8- and 16-bit values become [0, 1]; nothing is decoded.
-// `channel_names` receives the file's names. Throws Error (input) that names the file.
+// Reads any format that OpenImageIO knows. 8- and 16-bit values become [0, 1]; nothing is decoded, and
+// colours are not multiplied by alpha. `channel_names` receives the file's names. Throws Error (input) that
+// names the file.
 Image read_image(const std::filesystem::path& path, std::vector<std::string>* channel_names = nullptr);
 
-// Reads one layer of an EXR: the channels whose name starts with "<layer>.", or the bare ones if empty.
+// Reads one layer of an EXR: the channels whose name starts with "<layer>.", or where it is empty the
+// bare suffixes, which have one letter.
 Image read_exr_layer(const std::filesystem::path& path, const std::string& layer);
 
 }  // namespace truescatter

@@ -1,0 +1,178 @@
+#include "core/image_io.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <random>
+
+#include "support/error_of.h"
+#include "support/temp_dir.h"
+
+namespace truescatter {
+namespace {
+
+namespace fs = std::filesystem;
+using test::error_of;
+using test::TempDir;
+
+// Any finite bit pattern: zeros of both signs, denormals, the largest values.
+Image random_bits(int width, int height, int channels, unsigned seed) {
+  Image image(width, height, channels);
+  std::mt19937 generator(seed);
+  for (float& v : image.data()) {
+    do {
+      v = std::bit_cast<float>(static_cast<std::uint32_t>(generator()));
+    } while (!std::isfinite(v));
+  }
+  image.data()[0] = -0.0F;
+  return image;
+}
+
+void expect_same_bits(const Image& actual, const Image& expected) {
+  ASSERT_EQ(actual.width(), expected.width());
+  ASSERT_EQ(actual.height(), expected.height());
+  ASSERT_EQ(actual.channels(), expected.channels());
+  for (std::size_t i = 0; i < expected.data().size(); ++i) {
+    ASSERT_EQ(std::bit_cast<std::uint32_t>(actual.data()[i]),
+              std::bit_cast<std::uint32_t>(expected.data()[i]))
+        << i;
+  }
+}
+
+TEST(Exr, EveryLayerComesBackToTheBit) {
+  const TempDir folder;
+  const fs::path path = folder.path() / "a.exr";
+  const Image plain = random_bits(7, 5, 3, 1);
+  const Image error = random_bits(7, 5, 3, 2);
+  const Image position = random_bits(7, 5, 3, 3);
+  const Image mask = random_bits(7, 5, 1, 4);
+  const Image rgba = random_bits(7, 5, 4, 5);
+  write_exr(
+      path,
+      {{"", &plain}, {"error", &error}, {"position", &position, true}, {"mask", &mask}, {"four", &rgba}});
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.exr"});
+  expect_same_bits(read_exr_layer(path, "error"), error);
+  expect_same_bits(read_exr_layer(path, "position"), position);
+  expect_same_bits(read_exr_layer(path, "mask"), mask);
+  expect_same_bits(read_exr_layer(path, "four"), rgba);
+}
+
+// "mask" has no dot in its name, but it is a layer of its own and no plain channel.
+TEST(Exr, ThePlainLayerHoldsNoNamedOne) {
+  const TempDir folder;
+  const fs::path path = folder.path() / "a.exr";
+  const Image plain = random_bits(4, 3, 3, 1);
+  const Image alone = random_bits(4, 3, 1, 2);
+  write_exr(path, {{"alone", &alone}, {"", &plain}});
+  expect_same_bits(read_exr_layer(path, ""), plain);
+}
+
+TEST(Exr, ChannelsHaveTheirDocumentedNames) {
+  const TempDir folder;
+  const fs::path path = folder.path() / "a.exr";
+  const Image three(2, 2, 3, 1.0F);
+  const Image one(2, 2, 1, 1.0F);
+  write_exr(path, {{"", &three}, {"error", &three}, {"position", &three, true}, {"mask", &one}});
+  std::vector<std::string> names;
+  read_image(path, &names);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "error.B", "error.G", "error.R", "mask",
+                                             "position.X", "position.Y", "position.Z"}));
+}
+
+TEST(Exr, AMissingLayerNamesTheFileAndWhatThereIs) {
+  const TempDir folder;
+  const fs::path path = folder.path() / "a.exr";
+  const Image one(2, 2, 1, 1.0F);
+  write_exr(path, {{"mask", &one}});
+  const auto error = error_of([&] { read_exr_layer(path, "mas"); });
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->kind(), ErrorKind::input);
+  EXPECT_EQ(error->what(), path.string() + ": no layer 'mas'; the file's channels are mask");
+}
+
+TEST(Exr, FailsWhereItCannotBeWrittenAndLeavesNothing) {
+  const TempDir folder;
+  const Image one(2, 2, 1, 1.0F);
+  const fs::path nowhere = folder.path() / "none" / "a.exr";
+  const auto missing = error_of([&] { write_exr(nowhere, {{"mask", &one}}); });
+  ASSERT_TRUE(missing.has_value());
+  EXPECT_EQ(missing->kind(), ErrorKind::run);
+  EXPECT_NE(std::string(missing->what()).find(nowhere.string()), std::string::npos) << missing->what();
+
+  const fs::path taken = folder.path() / "taken.exr";
+  fs::create_directories(taken / "inside");
+  const auto over = error_of([&] { write_exr(taken, {{"mask", &one}}); });
+  ASSERT_TRUE(over.has_value());
+  EXPECT_EQ(over->kind(), ErrorKind::run);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"taken.exr"});
+}
+
+class Png : public testing::TestWithParam<int> {};
+
+// A code k is read as the float nearest to k/255, and written by rounding 255 v: |255 v - k| < 1/2.
+TEST_P(Png, EveryCodeSurvivesInEveryChannel) {
+  const TempDir folder;
+  const int channels = GetParam();
+  Image image(16, 16, channels);
+  for (std::size_t i = 0; i < image.data().size(); ++i) {
+    image.data()[i] = static_cast<float>((i * 37U) % 256U) / 255.0F;  // 37 is odd: all 256 codes occur
+  }
+  write_png(folder.path() / "a.png", image);
+  const Image read = read_image(folder.path() / "a.png");
+  ASSERT_EQ(read.channels(), channels);
+  for (std::size_t i = 0; i < image.data().size(); ++i) {
+    ASSERT_EQ(std::lround(255.0F * read.data()[i]), static_cast<long>((i * 37U) % 256U)) << i;
+    // One rounding in each direction, on a value of at most 1.
+    ASSERT_NEAR(read.data()[i], image.data()[i], 2 * std::numeric_limits<float>::epsilon()) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Channels, Png, testing::Values(1, 3, 4));
+
+TEST(WritePng, ClampsAndRoundsToTheNearestCode) {
+  const TempDir folder;
+  Image image(4, 1, 1);
+  image.at(0, 0, 0) = -1.0F;
+  image.at(1, 0, 0) = 2.0F;
+  image.at(2, 0, 0) = 100.4F / 255.0F;
+  image.at(3, 0, 0) = 100.6F / 255.0F;
+  write_png(folder.path() / "a.png", image);
+  const Image read = read_image(folder.path() / "a.png");
+  EXPECT_EQ(read.at(0, 0, 0), 0.0F);
+  EXPECT_EQ(read.at(1, 0, 0), 1.0F);
+  EXPECT_EQ(std::lround(255.0F * read.at(2, 0, 0)), 100);
+  EXPECT_EQ(std::lround(255.0F * read.at(3, 0, 0)), 101);
+}
+
+void expect_unreadable(const fs::path& path) {
+  const auto error = error_of([&] { read_image(path); });
+  ASSERT_TRUE(error.has_value()) << path;
+  EXPECT_EQ(error->kind(), ErrorKind::input);
+  EXPECT_EQ(std::string(error->what()).rfind(path.string() + ": ", 0), 0U) << error->what();
+}
+
+TEST(ReadImage, ErrorsBeginWithTheFile) {
+  const TempDir folder;
+  expect_unreadable(folder.path() / "none.png");
+  expect_unreadable(folder.path());
+  expect_unreadable(folder.write("text.png", "this is no picture"));
+  expect_unreadable(folder.write("empty.exr", ""));
+  expect_unreadable(folder.write("unknown.truescatter", "x"));
+}
+
+TEST(ReadImage, RefusesATruncatedFile) {
+  const TempDir folder;
+  const fs::path whole = folder.path() / "whole.exr";
+  const Image image = random_bits(64, 64, 3, 9);
+  write_exr(whole, {{"", &image}});
+  const fs::path half = folder.path() / "half.exr";
+  fs::copy_file(whole, half);
+  fs::resize_file(half, fs::file_size(whole) / 2);
+  expect_unreadable(half);
+}
+
+}  // namespace
+}  // namespace truescatter
