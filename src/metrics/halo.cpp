@@ -68,7 +68,9 @@ Halo measure_halo(const Image& test, const Image& truth, const Image& mask, cons
   assert(widest_std_dev_mm > 0.0 && mm_per_px > 0.0);
   Halo halo;
   halo.profile.bin_mm = std::max(0.25 * mm_per_px, widest_std_dev_mm / 8.0);
-  const auto bins = static_cast<std::size_t>(std::ceil(kRangeStdDevs * widest_std_dev_mm / halo.profile.bin_mm));
+  // The quotient's rounding (48 + 1 ulp for some s) must not add a bin beyond 6 s.
+  const double exact_bins = kRangeStdDevs * widest_std_dev_mm / halo.profile.bin_mm;
+  const auto bins = static_cast<std::size_t>(std::ceil(exact_bins * (1.0 - 1e-12)));
   std::vector<Sums> binned(bins);
   Sums band;
   Sums beyond;
