@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <set>
 #include <sstream>
+#include <type_traits>
+#include <utility>
 
 #include "config/experiment_spec.h"
 #include "config/toml_reader.h"
@@ -12,6 +15,15 @@ namespace truescatter {
 namespace {
 
 constexpr double kHuge = std::numeric_limits<double>::max();
+
+// Names of views, profiles and methods become parts of file names.
+void check_file_name(const TomlTable& table, const std::string& key, const std::string& full_name,
+                     const std::string& name) {
+  const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
+  });
+  if (!plain) table.fail(key, fmt::format("'{}' names files: letters, digits, '-' and '_' only", full_name));
+}
 
 SceneSpec read_scene(TomlTable table) {
   SceneSpec scene;
@@ -44,7 +56,9 @@ LightSpec read_light(TomlTable table) {
   if (light.type == "directional") {
     light.direction = table.vec3("direction");
     if (!(light.direction.norm() > 0.0)) table.fail("direction", "'light.direction' must not be zero");
-    light.direction.normalize();
+    // What is a unit vector but for rounding stays as it is, so that a resolved experiment reads the same
+    // bits.
+    if (std::abs(light.direction.squaredNorm() - 1.0) > 1e-14) light.direction.normalize();
   } else {
     light.position_mm = table.vec3("position_mm");
     light.reference_mm = table.number("reference_mm", 1000.0, 1e-6, 1e9);
@@ -67,10 +81,7 @@ ShadingSpec read_shading(TomlTable table) {
 ViewSpec read_view(TomlTable table) {
   ViewSpec view;
   view.name = table.text("name");
-  const bool plain = !view.name.empty() && std::all_of(view.name.begin(), view.name.end(), [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
-  });
-  if (!plain) table.fail("name", "'view.name' names files: letters, digits, '-' and '_' only");
+  check_file_name(table, "name", "view.name", view.name);
   view.eye_mm = table.vec3("eye_mm");
   view.target_mm = table.vec3("target_mm", view.target_mm);
   view.up = table.vec3("up", view.up);
@@ -90,6 +101,7 @@ ProfileSpec read_profile(TomlTable table) {
   ProfileSpec profile;
   profile.name = table.text("name");
   profile.where = table.where("name");
+  check_file_name(table, "name", "profile.name", profile.name);
   profile.builtin = !table.has("gaussian");
   if (profile.builtin) {
     table.finish();
@@ -98,8 +110,8 @@ ProfileSpec read_profile(TomlTable table) {
   profile.delta_weight = table.rgb("delta_weight", Vec3d::Zero());
   for (TomlTable& entry : table.tables("gaussian")) {
     ProfileSpec::Gaussian gaussian;
-    gaussian.variance_mm2 = entry.rgb("variance_mm2", Vec3d::Zero());
-    gaussian.weight = entry.rgb("weight", Vec3d::Zero());
+    gaussian.variance_mm2 = entry.rgb("variance_mm2");
+    gaussian.weight = entry.rgb("weight");
     if (gaussian.variance_mm2.minCoeff() <= 0.0) {
       entry.fail("variance_mm2", "'profile.gaussian.variance_mm2' must be positive");
     }
@@ -122,6 +134,9 @@ MethodSpec read_method(TomlTable table) {
   method.name = table.text("name");
   method.where = table.where("name");
   method.label = table.text("label", method.name);
+  if (table.has("label")) check_file_name(table, "label", "method.label", method.label);
+  if (method.label == "truth")
+    table.fail("label", "'method.label' must not be \"truth\": the truth's own files have it");
   TomlTable settings = table.table("settings");
   for (const std::string& key : settings.keys()) {
     const toml::value& value = settings.raw(key);
@@ -163,23 +178,35 @@ ThresholdSpec read_threshold(TomlTable table) {
   return threshold;
 }
 
+// The value that an override states. What is not TOML is a string: a bare word spares the quotes inside
+// quotes on a shell's command line.
+toml::value override_value(const std::string& text, const std::string& literal) {
+  const auto parse = [&](const std::string& right_side) {
+    std::istringstream stream("value = " + right_side);
+    return toml::parse(stream, "--set " + text);
+  };
+  try {
+    const toml::value table = parse(literal);
+    if (table.as_table().size() == 1) return table.at("value");
+  } catch (const toml::exception&) {
+  }
+  std::ostringstream quoted;
+  quoted << toml::value(literal);
+  return parse(quoted.str()).at("value");
+}
+
 // "a.b=c": walks the tree, into arrays by index or by an entry's name, and sets the value.
 void apply_override(toml::value& root, const std::string& text) {
   const SourceLocation where{"--set " + text};
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) throw_input_error(where, "must have the form key.key=value");
+  const std::string keys = text.substr(0, equals);
   std::vector<std::string> path;
-  std::stringstream stream(text.substr(0, equals));
+  std::stringstream stream(keys);
   for (std::string part; std::getline(stream, part, '.');) path.push_back(part);
-
-  const std::string literal = text.substr(equals + 1);
-  toml::value parsed;
-  std::istringstream as_toml("value = " + literal);
-  try {
-    parsed = toml::parse(as_toml, "--set " + text).at("value");
-  } catch (const toml::syntax_error&) {
-    // Not TOML: a bare word is a string, which spares the quotes inside quotes on a shell's command line.
-    parsed = toml::value(literal);
+  const bool whole =
+      std::none_of(path.begin(), path.end(), [](const std::string& part) { return part.empty(); });
+  if (equals == std::string::npos || path.empty() || !whole || keys.ends_with('.')) {
+    throw_input_error(where, "must have the form key.key=value");
   }
 
   toml::value* at = &root;
@@ -200,17 +227,32 @@ void apply_override(toml::value& root, const std::string& text) {
       at = found;
     } else {
       if (!at->is_table()) throw_input_error(where, "'{}' is below a value that is not a table", key);
-      if (!at->contains(key)) at->as_table()[key] = toml::table{};
+      if (!at->contains(key)) at->as_table()[key] = override_value(text, "{}");
       at = &at->as_table()[key];
     }
   }
-  *at = parsed;
+  *at = override_value(text, text.substr(equals + 1));
+}
+
+// Two entries of an array of tables under one name: an error at the later one. `name_of` gives (key, name).
+template <typename NameOf>
+void check_distinct(const std::vector<TomlTable>& tables, const std::string& what, const NameOf& name_of) {
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const auto& [key, name] = name_of(i);
+    if (!seen.insert(name).second) tables[i].fail(key, fmt::format("two {} '{}'", what, name));
+  }
 }
 
 ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   ExperimentSpec spec;
   spec.file = file;
   spec.name = root.text("name", file.stem().string());
+  if (spec.name.empty() || spec.name == "." || spec.name == ".." ||
+      spec.name.find('/') != std::string::npos) {
+    root.fail("name",
+              "'name' names the folder of the results: it must not be empty, '.' or '..', nor hold a '/'");
+  }
   spec.question = root.text("question", "");
   spec.expectation = root.text("expectation", "");
   spec.source = root.text("source", "");
@@ -229,38 +271,39 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   spec.timing = read_timing(root.table("timing"));
   for (const TomlTable& table : root.tables("threshold")) spec.thresholds.push_back(read_threshold(table));
 
-  std::set<std::string> seen;
-  for (std::size_t i = 0; i < spec.views.size(); ++i) {
-    if (!seen.insert(spec.views[i].name).second) {
-      root.fail("view", fmt::format("two views are named '{}'", spec.views[i].name));
-    }
-  }
-  seen.clear();
-  for (const ProfileSpec& profile : spec.profiles) {
-    if (!seen.insert(profile.name).second) root.fail("profile", fmt::format("two profiles are named '{}'", profile.name));
-  }
-  seen.clear();
-  for (const MethodSpec& method : spec.methods) {
-    if (!seen.insert(method.label).second) {
-      root.fail("method", fmt::format("two methods have the label '{}'; give them different 'label's", method.label));
-    }
-  }
-  for (const ThresholdSpec& threshold : spec.thresholds) {
-    if (seen.count(threshold.method) == 0) {
-      throw_input_error(threshold.where, "'threshold.method' is \"{}\", which is no method of this experiment",
-                        threshold.method);
+  check_distinct(root.tables("view"), "views are named",
+                 [&](std::size_t i) { return std::pair("name", spec.views[i].name); });
+  check_distinct(root.tables("profile"), "profiles are named",
+                 [&](std::size_t i) { return std::pair("name", spec.profiles[i].name); });
+  const std::vector<TomlTable> methods = root.tables("method");
+  check_distinct(methods, "methods have the label", [&](std::size_t i) {
+    return std::pair(methods[i].has("label") ? "label" : "name", spec.methods[i].label);
+  });
+  const std::vector<TomlTable> thresholds = root.tables("threshold");
+  for (std::size_t i = 0; i < thresholds.size(); ++i) {
+    const bool known = std::any_of(spec.methods.begin(), spec.methods.end(),
+                                   [&](const MethodSpec& m) { return m.label == spec.thresholds[i].method; });
+    if (!known) {
+      thresholds[i].fail("method",
+                         fmt::format("'threshold.method' is \"{}\", which is no method's label here",
+                                     spec.thresholds[i].method));
     }
   }
   root.finish();
   return spec;
 }
 
-toml::value array_of(const Vec3d& v) { return toml::array{v.x(), v.y(), v.z()}; }
-
-std::string line(const std::string& key, const toml::value& value) {
+// Numbers have the fewest digits that give the same double.
+template <typename Number>
+requires std::is_arithmetic_v<Number> std::string line(const std::string& key, Number number) {
+  return fmt::format("{} = {}\n", key, number);
+}
+std::string line(const std::string& key, const Vec3d& v) {
+  return fmt::format("{} = [{}, {}, {}]\n", key, v.x(), v.y(), v.z());
+}
+std::string line(const std::string& key, const std::string& text) {
   std::ostringstream stream;
-  stream.precision(17);
-  stream << key << " = " << value << "\n";
+  stream << key << " = " << toml::value(text) << "\n";
   return stream.str();
 }
 
@@ -277,10 +320,10 @@ std::string method_toml(const MethodSpec& method) {
 std::string profile_toml(const ProfileSpec& profile) {
   std::string text = "\n[[profile]]\n" + line("name", profile.name);
   if (profile.builtin) return text;
-  text += line("delta_weight", array_of(profile.delta_weight)) + line("r_max_mm", profile.r_max_mm);
+  text += line("delta_weight", profile.delta_weight) + line("r_max_mm", profile.r_max_mm);
   for (const auto& gaussian : profile.gaussians) {
-    text += "[[profile.gaussian]]\n" + line("variance_mm2", array_of(gaussian.variance_mm2)) +
-            line("weight", array_of(gaussian.weight));
+    text += "[[profile.gaussian]]\n" + line("variance_mm2", gaussian.variance_mm2) +
+            line("weight", gaussian.weight);
   }
   return text;
 }
@@ -307,16 +350,16 @@ std::string scene_toml(const ExperimentSpec& spec) {
 std::string light_toml(const LightSpec& light) {
   std::string text = "\n[[light]]\n" + line("type", light.type);
   if (light.type == "directional") {
-    text += line("direction", array_of(light.direction));
+    text += line("direction", light.direction);
   } else {
-    text += line("position_mm", array_of(light.position_mm)) + line("reference_mm", light.reference_mm);
+    text += line("position_mm", light.position_mm) + line("reference_mm", light.reference_mm);
   }
-  return text + line("color", array_of(light.color)) + line("shadows", light.shadows);
+  return text + line("color", light.color) + line("shadows", light.shadows);
 }
 
 std::string view_toml(const ViewSpec& view) {
-  return "\n[[view]]\n" + line("name", view.name) + line("eye_mm", array_of(view.eye_mm)) +
-         line("target_mm", array_of(view.target_mm)) + line("up", array_of(view.up)) + line("fov_deg", view.fov_deg) +
+  return "\n[[view]]\n" + line("name", view.name) + line("eye_mm", view.eye_mm) +
+         line("target_mm", view.target_mm) + line("up", view.up) + line("fov_deg", view.fov_deg) +
          line("width_px", view.width_px) + line("height_px", view.height_px);
 }
 
@@ -329,10 +372,15 @@ ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vec
     std::istringstream stream(text);
     root = toml::parse(stream, file.string());
   } catch (const toml::exception& error) {
-    const toml::source_location where = error.location();
-    throw Error(ErrorKind::input,
-                {file.string(), static_cast<int>(where.line()), static_cast<int>(where.column())},
-                fmt::format("not valid TOML: {}", error.what()));
+    // The column that toml11 gives is that of the line's beginning; the underlined text below shows the
+    // place.
+    std::string message = error.what();
+    if (const std::size_t reason = message.find(": ");
+        message.starts_with("[error]") && reason < message.find('\n')) {
+      message.erase(0, reason + 2);
+    }
+    throw Error(ErrorKind::input, {file.string(), static_cast<int>(error.location().line())},
+                "not valid TOML: " + message);
   }
   for (const std::string& override_text : overrides) apply_override(root, override_text);
   return read_root(TomlTable(root, ""), file);
@@ -348,8 +396,8 @@ std::string to_toml(const ExperimentSpec& spec) {
   for (const ViewSpec& view : spec.views) text += view_toml(view);
   for (const ProfileSpec& profile : spec.profiles) text += profile_toml(profile);
   for (const MethodSpec& method : spec.methods) text += method_toml(method);
-  text += "\n[truth]\n" + line("tolerance", spec.truth.tolerance) + line("audit_points", spec.truth.audit_points) +
-          line("seed", static_cast<std::int64_t>(spec.truth.seed));
+  text += "\n[truth]\n" + line("tolerance", spec.truth.tolerance) +
+          line("audit_points", spec.truth.audit_points) + line("seed", spec.truth.seed);
   text += "\n[timing]\n" + line("warm_up", spec.timing.warm_up) + line("repeats", spec.timing.repeats);
   for (const ThresholdSpec& threshold : spec.thresholds) {
     text += "\n[[threshold]]\n" + line("method", threshold.method) + line("metric", threshold.metric) +

@@ -55,8 +55,8 @@ TomlTable::TomlTable(const toml::value& value, std::string path) : value_(&value
 
 SourceLocation TomlTable::location_of(const toml::value& value) {
   const toml::source_location location = value.location();
-  // A value that has no place in a file (an absent table, a command line's override) has line 0 or no name.
-  if (location.file_name() == "unknown file") return {};
+  if (location.file_name() == "unknown file") return {};  // an absent table
+  if (location.file_name().starts_with("--set ")) return {location.file_name()};
   return {location.file_name(), static_cast<int>(location.line()), static_cast<int>(location.column())};
 }
 
@@ -145,8 +145,12 @@ Vec3d TomlTable::vec3(const std::string& key, const Vec3d& fallback) {
 }
 
 Vec3d TomlTable::rgb(const std::string& key, const Vec3d& fallback) {
+  return find(key) == nullptr ? fallback : rgb(key);
+}
+
+Vec3d TomlTable::rgb(const std::string& key) {
   const toml::value* value = find(key);
-  if (value == nullptr) return fallback;
+  if (value == nullptr) fail_missing(key);
   if (value->is_array()) return as_vec3(*value, full_name(key));
   return Vec3d::Constant(as_number(*value, full_name(key)));
 }

@@ -31,6 +31,7 @@ class TomlTable {
   Vec3d vec3(const std::string& key);
   Vec3d vec3(const std::string& key, const Vec3d& fallback);
   // A number for all three channels, or three.
+  Vec3d rgb(const std::string& key);
   Vec3d rgb(const std::string& key, const Vec3d& fallback);
   TomlTable table(const std::string& key);               // empty if missing
   std::vector<TomlTable> tables(const std::string& key);  // empty if missing
@@ -44,6 +45,7 @@ class TomlTable {
   // Throws on a key that nobody asked for, listing those that there are.
   void finish() const;
 
+  // A value of a command line's override has its "--set ..." for a file, and neither line nor column.
   static SourceLocation location_of(const toml::value& value);
 
  private:

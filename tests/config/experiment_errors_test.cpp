@@ -1,0 +1,242 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "config/experiment_spec.h"
+#include "support/error_of.h"
+#include "support/temp_dir.h"
+
+namespace truescatter {
+namespace {
+
+// Lines count from 1; every case below replaces one piece of this text.
+const std::string kGood = R"(name = "good"
+
+[scene]
+mesh = "builtin:plane"
+
+[[light]]
+direction = [0.0, 0.0, 1.0]
+
+[[view]]
+name = "front"
+eye_mm = [0.0, 0.0, 100.0]
+
+[[profile]]
+name = "spike-and-base"
+
+[[method]]
+name = "none"
+
+[timing]
+repeats = 1
+)";
+
+struct Broken {
+  const char* what;     // the case's name
+  const char* replace;  // a piece of the good text
+  const char* with;
+  const char* where;    // ":line" or ":line:column" behind the file's name
+  const char* message;  // how the message begins
+};
+
+// What a failed test prints for its case.
+void PrintTo(const Broken& broken, std::ostream* stream) { *stream << broken.what; }
+
+class BrokenExperiment : public testing::TestWithParam<Broken> {};
+
+TEST_P(BrokenExperiment, IsRefusedAtItsPlace) {
+  const Broken& broken = GetParam();
+  std::string text = kGood;
+  const std::size_t at = text.find(broken.replace);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, std::string(broken.replace).size(), broken.with);
+  const test::TempDir folder;
+  const std::filesystem::path file = folder.write("e.toml", text);
+  const auto error = test::error_of([&] { read_experiment(file); });
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->kind(), ErrorKind::input);
+  const std::string start = file.string() + broken.where + ": " + broken.message;
+  EXPECT_EQ(std::string(error->what()).substr(0, start.size()), start) << error->what();
+}
+
+const char* const kView = "[[view]]\nname = \"front\"\neye_mm = [0.0, 0.0, 100.0]\n";
+const char* const kEye = "eye_mm = [0.0, 0.0, 100.0]";
+const char* const kMesh = "mesh = \"builtin:plane\"";
+const char* const kDirection = "direction = [0.0, 0.0, 1.0]";
+const char* const kProfile = "name = \"spike-and-base\"";
+const char* const kMethod = "name = \"none\"";
+
+const Broken kBroken[] = {
+    // Syntax: toml11 knows the line.
+    {"NoValue", "name = \"good\"", "name =", ":1",
+     "not valid TOML: missing value after key-value separator '='"},
+    {"OpenString", "repeats = 1", "repeats = \"1", ":20", "not valid TOML: "},
+    {"OpenTable", "[timing]", "[timing", ":19", "not valid TOML: "},
+    {"NoKey", "repeats = 1", "= 1", ":20", "not valid TOML: "},
+    {"KeyTwice", "repeats = 1", "repeats = 1\nrepeats = 2", ":21",
+     "not valid TOML: value (\"repeats\") already exists."},
+    {"TableTwice", "[timing]", "[scene]\n[timing]", ":19", "not valid TOML: "},
+    {"NoSuchDay", "name = \"good\"", "name = 2020-13-45", ":1", "not valid TOML: invalid date"},
+    {"InvalidUtf8", "name = \"good\"", "name = \"\xff\"", ":1", "not valid TOML: "},
+    // Unknown keys at every level: where the value stands.
+    {"UnknownAtTop", "name = \"good\"", "nam = \"good\"", ":1:7", "unknown key 'nam'; known here: "},
+    {"UnknownTable", "[timing]", "[time]", ":19:1", "unknown key 'time'; known here: "},
+    {"UnknownInScene", kMesh, "mesh = \"builtin:plane\"\nunits = 1", ":5:9", "unknown key 'scene.units'"},
+    {"UnknownInLight", kDirection, "direction = [0, 0, 1]\ncolour = 1", ":8:10",
+     "unknown key 'light.colour'"},
+    {"PositionOfADirection", kDirection, "direction = [0, 0, 1]\nposition_mm = [0, 0, 1]", ":8:15",
+     "unknown key 'light.position_mm'"},
+    {"UnknownInView", kEye, "eye_mm = [0, 0, 1]\nfov = 30", ":12:7", "unknown key 'view.fov'"},
+    {"UnknownInProfile", kProfile, "name = \"spike-and-base\"\nr_max_mm = 3", ":15:12",
+     "unknown key 'profile.r_max_mm'"},
+    {"UnknownInGaussian", kProfile,
+     "name = \"x\"\n[[profile.gaussian]]\nvariance_mm2 = 1\nweight = 1\nsigma = 1", ":18:9",
+     "unknown key 'profile.gaussian.sigma'"},
+    {"UnknownInMethod", kMethod, "name = \"none\"\ntaps = 3", ":18:8", "unknown key 'method.taps'"},
+    {"UnknownInTiming", "repeats = 1", "repeat = 1", ":20:10",
+     "unknown key 'timing.repeat'; known here: repeats, warm_up"},
+    {"UnknownInTruth", "[timing]", "[truth]\ntol = 1\n[timing]", ":20:7", "unknown key 'truth.tol'"},
+    {"UnknownInShading", "[timing]", "[shading]\nfloor = 1\n[timing]", ":20:9",
+     "unknown key 'shading.floor'"},
+    {"UnknownInThreshold", "[timing]", "[[threshold]]\nmethod = \"none\"\nmaximum = 1\nmax = 1\n[timing]",
+     ":22:7", "unknown key 'threshold.max'"},
+    // Types.
+    {"TextForANumber", "repeats = 1", "repeats = \"1\"", ":20:11", "'timing.repeats' must be a number"},
+    {"NumberForAText", "name = \"good\"", "name = 1", ":1:8", "'name' must be a string"},
+    {"NumberForATable", "[timing]\nrepeats", "timing", ":19:10", "unknown key 'method.timing'"},
+    {"TableForAnArray", "[[light]]", "[light]", ":6:1", "'light' must be an array of tables ([[light]])"},
+    {"NumbersForTables", "name = \"good\"", "threshold = [1, 2]", ":1:14", "'threshold' must be a table"},
+    {"NumberForAFlag", kDirection, "direction = [0, 0, 1]\nshadows = 1", ":8:11",
+     "'light.shadows' must be true or false"},
+    {"TwoNumbersForThree", kDirection, "direction = [0.0, 1.0]", ":7:13",
+     "'light.direction' must be an array of three numbers"},
+    {"TextInAVector", kDirection, "direction = [0.0, \"x\", 1.0]", ":7:19",
+     "'light.direction' must be a number"},
+    {"FlagForASetting", kMethod, "name = \"none\"\n[method.settings]\ntaps = true", ":19:8",
+     "'method.settings.taps' must be a number"},
+    // Not finite.
+    {"NanDirection", kDirection, "direction = [0.0, nan, 1.0]", ":7:19", "'light.direction' must be finite"},
+    {"InfiniteEye", kEye, "eye_mm = [inf, 0.0, 1.0]", ":11:11", "'view.eye_mm' must be finite"},
+    {"NanParameter", kMesh, "mesh = \"builtin:plane\"\n[scene.parameters]\nsize_mm = nan", ":6:11",
+     "'scene.parameters.size_mm' must be finite"},
+    {"NegativeInfinity", "[timing]", "[truth]\ntolerance = -inf\n[timing]", ":20:13",
+     "'truth.tolerance' must be finite"},
+    // Out of range.
+    {"NegativeUnit", kMesh, "mesh = \"a.obj\"\nunit_mm = -1.0", ":5:11",
+     "'scene.unit_mm' is -1; it must lie in [1e-09, "},
+    {"ZeroUnit", kMesh, "mesh = \"a.obj\"\nunit_mm = 0", ":5:11", "'scene.unit_mm' is 0; it must lie in "},
+    {"TooManySubdivisions", kMesh, "mesh = \"a.obj\"\nloop_subdivisions = 7", ":5:21",
+     "'scene.loop_subdivisions' is 7; it must lie in [0, 6]"},
+    {"NoRepeats", "repeats = 1", "repeats = 0", ":20:11", "'timing.repeats' is 0; it must lie in [1, 10000]"},
+    {"HalfAPixel", kEye, "eye_mm = [0, 0, 1]\nwidth_px = 48.5", ":12:12",
+     "'view.width_px' is 48.5; it must be a whole number"},
+    {"NoPixels", kEye, "eye_mm = [0, 0, 1]\nheight_px = 0", ":12:13",
+     "'view.height_px' is 0; it must lie in [1, 16384]"},
+    {"FovOf180", kEye, "eye_mm = [0, 0, 1]\nfov_deg = 180", ":12:11",
+     "'view.fov_deg' is 180; it must lie in "},
+    {"TooFewAudited", "[timing]", "[truth]\naudit_points = 255\n[timing]", ":20:16",
+     "'truth.audit_points' is 255; it must lie in [256, "},
+    {"NegativeColor", kDirection, "direction = [0, 0, 1]\ncolor = [1, -1, 1]", ":8:9",
+     "'light.color' must not be negative"},
+    {"NegativeMaximum", "[timing]", "[[threshold]]\nmethod = \"none\"\nmaximum = -1\n[timing]", ":21:11",
+     "'threshold.maximum' is -1; it must lie in [0, "},
+    {"ZeroVariance", kProfile, "name = \"x\"\n[[profile.gaussian]]\nvariance_mm2 = [1, 0, 1]\nweight = 1",
+     ":16:16", "'profile.gaussian.variance_mm2' must be positive"},
+    // Not one of the words.
+    {"UnknownLightType", kDirection, "type = \"spot\"", ":7:8",
+     "'light.type' is \"spot\"; it must be one of: directional, point"},
+    {"UnknownNormals", kMesh, "mesh = \"a.obj\"\nnormals = \"smooth\"", ":5:11",
+     "'scene.normals' is \"smooth\"; it must be one of: "},
+    {"UnknownMetric", "[timing]", "[[threshold]]\nmethod = \"none\"\nmetric = \"mse\"\nmaximum = 1\n[timing]",
+     ":21:10", "'threshold.metric' is \"mse\"; it must be one of: bias, "},
+    // Missing: at the table that lacks it.
+    {"NoScene", "[scene]\nmesh = \"builtin:plane\"", "", ":1:1", "'scene' is missing"},
+    {"NoMesh", kMesh, "", ":3:1", "'scene.mesh' is missing"},
+    {"NoLight", "[[light]]\ndirection = [0.0, 0.0, 1.0]", "", ":1:1", "'light' is missing"},
+    {"NoDirection", kDirection, "", ":6:1", "'light.direction' is missing"},
+    {"NoPosition", kDirection, "type = \"point\"", ":6:1", "'light.position_mm' is missing"},
+    {"NoView", kView, "", ":1:1", "'view' is missing"},
+    {"NoEye", kEye, "", ":9:1", "'view.eye_mm' is missing"},
+    {"NoProfile", "[[profile]]\nname = \"spike-and-base\"", "", ":1:1", "'profile' is missing"},
+    {"NoMethod", "[[method]]\nname = \"none\"", "", ":1:1", "'method' is missing"},
+    {"NoVariance", kProfile, "name = \"x\"\n[[profile.gaussian]]\nweight = 1", ":15:1",
+     "'profile.gaussian.variance_mm2' is missing"},
+    {"NoWeight", kProfile, "name = \"x\"\n[[profile.gaussian]]\nvariance_mm2 = 1", ":15:1",
+     "'profile.gaussian.weight' is missing"},
+    {"NoGaussian", kProfile, "name = \"x\"\ngaussian = []", ":15:12",
+     "a profile needs at least one [[profile.gaussian]]"},
+    {"NoMaximum", "[timing]", "[[threshold]]\nmethod = \"none\"\n[timing]", ":19:1",
+     "'threshold.maximum' is missing"},
+    // What does not go together.
+    {"TwoViews", "[timing]", "[[view]]\nname = \"front\"\neye_mm = [0, 0, 1]\n[timing]", ":20:8",
+     "two views are named 'front'"},
+    {"TwoProfiles", "[timing]", "[[profile]]\nname = \"spike-and-base\"\n[timing]", ":20:8",
+     "two profiles are named 'spike-and-base'"},
+    {"TwoMethods", "[timing]", "[[method]]\nname = \"none\"\n[timing]", ":20:8",
+     "two methods have the label 'none'"},
+    {"TwoLabels", "[timing]", "[[method]]\nname = \"pscbf\"\nlabel = \"none\"\n[timing]", ":21:9",
+     "two methods have the label 'none'"},
+    {"NoSuchMethod", "[timing]", "[[threshold]]\nmaximum = 1\nmethod = \"pscbf\"\n[timing]", ":21:10",
+     "'threshold.method' is \"pscbf\", which is no method's label here"},
+    {"ZeroDirection", kDirection, "direction = [0.0, 0.0, 0.0]", ":7:13",
+     "'light.direction' must not be zero"},
+    {"EyeIsTarget", kEye, "eye_mm = [1, 2, 3]\ntarget_mm = [1, 2, 3]", ":11:10",
+     "'view.eye_mm' and 'view.target_mm' are the same point"},
+    {"UpIsForward", kEye, "eye_mm = [0, 0, 100]\nup = [0, 0, -3]", ":12:6",
+     "'view.up' is parallel to the viewing direction"},
+    {"UpIsForwardByDefault", kEye, "eye_mm = [0, 100, 0]", ":11:10",
+     "'view.up' is parallel to the viewing direction"},
+    {"UpIsZero", kEye, "eye_mm = [0, 0, 100]\nup = [0, 0, 0]", ":12:6",
+     "'view.up' is parallel to the viewing direction"},
+    {"SlashInAView", "name = \"front\"", "name = \"a/b\"", ":10:8", "'view.name' names files: "},
+    {"EmptyView", "name = \"front\"", "name = \"\"", ":10:8", "'view.name' names files: "},
+    {"SlashInALabel", kMethod, "name = \"none\"\nlabel = \"a/b\"", ":18:9", "'method.label' names files: "},
+    {"SlashInAProfile", kProfile, "name = \"../x\"", ":14:8", "'profile.name' names files: "},
+    {"LabelOfTheTruth", kMethod, "name = \"none\"\nlabel = \"truth\"", ":18:9",
+     "'method.label' must not be \"truth\""},
+    {"NameOutside", "name = \"good\"", "name = \"../good\"", ":1:8",
+     "'name' names the folder of the results"},
+    {"UnitOfABuiltin", kMesh, "mesh = \"builtin:plane\"\nunit_mm = 2.0", ":5:11",
+     "'scene.unit_mm' is for mesh files"},
+    {"ParametersOfAFile", kMesh, "mesh = \"a.obj\"\n[scene.parameters]\nsize_mm = 1.0", ":5:1",
+     "'scene.parameters' is for built-in scenes"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Table, BrokenExperiment, testing::ValuesIn(kBroken),
+                         [](const auto& one) { return std::string(one.param.what); });
+
+// The cases break a text that is good.
+TEST(BrokenExperiments, BeginWithAGoodOne) {
+  const test::TempDir folder;
+  EXPECT_EQ(read_experiment(folder.write("e.toml", kGood)).name, "good");
+}
+
+TEST(BrokenExperiments, UnderlineTheValue) {
+  const test::TempDir folder;
+  std::string text = kGood;
+  text.replace(text.find("100.0"), 5, "\"far\"");
+  const std::filesystem::path file = folder.write("e.toml", text);
+  const auto error = test::error_of([&] { read_experiment(file); });
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->what(), file.string() +
+                               ":11:21: 'view.eye_mm' must be a number\n"
+                               " 11 | eye_mm = [0.0, 0.0, \"far\"]\n"
+                               "    |                     ^~~~~");
+}
+
+TEST(BrokenExperiments, EmptyOrAbsent) {
+  const test::TempDir folder;
+  const std::filesystem::path empty = folder.write("empty.toml", "");
+  const auto nothing = test::error_of([&] { read_experiment(empty); });
+  ASSERT_TRUE(nothing.has_value());
+  EXPECT_EQ(std::string(nothing->what()).rfind(empty.string() + ":1:1: 'scene' is missing", 0), 0U)
+      << nothing->what();
+  const std::filesystem::path none = folder.path() / "none.toml";
+  const auto absent = test::error_of([&] { read_experiment(none); });
+  ASSERT_TRUE(absent.has_value());
+  EXPECT_EQ(absent->what(), none.string() + ": no such file");
+}
+
+}  // namespace
+}  // namespace truescatter

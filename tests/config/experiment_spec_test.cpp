@@ -1,0 +1,415 @@
+#include "config/experiment_spec.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "support/error_of.h"
+#include "support/temp_dir.h"
+
+namespace truescatter {
+namespace {
+
+using test::error_of;
+using test::TempDir;
+
+// The least that an experiment can say.
+const std::string kMinimal = R"([scene]
+mesh = "builtin:plane"
+[[light]]
+direction = [0, 0, 1]
+[[view]]
+name = "front"
+eye_mm = [0, 0, 100]
+[[profile]]
+name = "spike-and-base"
+[[method]]
+name = "none"
+)";
+
+// Every key there is.
+const std::string kFull = R"(name = "full"
+question = "What? \"Quoted\", with a \\ and a # in it"
+expectation = """
+Two
+lines"""
+source = "Someone 2020"
+
+[scene]
+mesh = "head.obj"
+unit_mm = 10.0
+normals = "angle-weighted"
+loop_subdivisions = 2
+skin_mask = "masks/skin.png"
+obtain = "ask\nfor it"
+
+[[light]]
+type = "directional"
+direction = [0.3, 0.4, 0.6]
+color = [1.0, 0.5, 0.25]
+shadows = false
+
+[[light]]
+type = "point"
+position_mm = [1.0, -2.0, 300.0]
+reference_mm = 250.0
+color = 0.1
+
+[shading]
+tolerance = 0.05
+floor_mm = 0.7
+
+[[view]]
+name = "left_1"
+eye_mm = [-500.0, 0.1, 1e-3]
+target_mm = [0.0, 10.0, 0.0]
+up = [0.0, 0.0, 1.0]
+fov_deg = 22.5
+width_px = 320
+height_px = 200
+
+[[view]]
+name = "front"
+eye_mm = [0, 0, 600]
+
+[[profile]]
+name = "skin-six-gaussian"
+
+[[profile]]
+name = "own"
+delta_weight = [0.1, 0.2, 0.3]
+r_max_mm = 7.5
+[[profile.gaussian]]
+variance_mm2 = 4.0
+weight = [0.5, 0.4, 0.3]
+[[profile.gaussian]]
+variance_mm2 = [1.0, 2.0, 0.1]
+weight = 0.4
+
+[[method]]
+name = "pscbf"
+
+[[method]]
+name = "pscbf"
+label = "pscbf-7"
+[method.settings]
+taps = 7
+placement = "centroid"
+
+[truth]
+tolerance = 1e-9
+audit_points = 300
+seed = 42
+
+[timing]
+warm_up = 4
+repeats = 9
+
+[[threshold]]
+method = "pscbf-7"
+metric = "p99"
+maximum = 0.125
+
+[[threshold]]
+method = "pscbf"
+maximum = 1e-7
+)";
+
+class ExperimentSpecTest : public testing::Test {
+ protected:
+  ExperimentSpec read(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    return read_experiment(folder_.write("e.toml", text), overrides);
+  }
+  TempDir folder_;
+};
+
+TEST_F(ExperimentSpecTest, ReadsEveryField) {
+  const ExperimentSpec spec = read(kFull);
+  EXPECT_EQ(spec.file, folder_.path() / "e.toml");
+  EXPECT_EQ(spec.name, "full");
+  EXPECT_EQ(spec.question, "What? \"Quoted\", with a \\ and a # in it");
+  EXPECT_EQ(spec.expectation, "Two\nlines");
+  EXPECT_EQ(spec.source, "Someone 2020");
+  EXPECT_EQ(spec.scene.mesh, "head.obj");
+  EXPECT_EQ(spec.scene.mesh_where.line, 9);
+  EXPECT_EQ(spec.scene.unit_mm, 10.0);
+  EXPECT_EQ(spec.scene.normals, "angle-weighted");
+  EXPECT_EQ(spec.scene.loop_subdivisions, 2);
+  EXPECT_EQ(spec.scene.skin_mask, "masks/skin.png");
+  EXPECT_EQ(spec.scene.skin_mask_where.line, 13);
+  EXPECT_EQ(spec.scene.obtain, "ask\nfor it");
+
+  ASSERT_EQ(spec.lights.size(), 2U);
+  EXPECT_EQ(spec.lights[0].type, "directional");
+  EXPECT_EQ(spec.lights[0].direction, Vec3d(0.3, 0.4, 0.6).normalized());
+  EXPECT_EQ(spec.lights[0].color, Vec3d(1.0, 0.5, 0.25));
+  EXPECT_FALSE(spec.lights[0].shadows);
+  EXPECT_EQ(spec.lights[1].type, "point");
+  EXPECT_EQ(spec.lights[1].position_mm, Vec3d(1.0, -2.0, 300.0));
+  EXPECT_EQ(spec.lights[1].reference_mm, 250.0);
+  EXPECT_EQ(spec.lights[1].color, Vec3d(0.1, 0.1, 0.1));
+  EXPECT_TRUE(spec.lights[1].shadows);
+
+  EXPECT_EQ(spec.shading.tolerance, 0.05);
+  EXPECT_EQ(spec.shading.floor_mm, 0.7);
+
+  ASSERT_EQ(spec.views.size(), 2U);
+  EXPECT_EQ(spec.views[0].name, "left_1");
+  EXPECT_EQ(spec.views[0].eye_mm, Vec3d(-500.0, 0.1, 1e-3));
+  EXPECT_EQ(spec.views[0].target_mm, Vec3d(0.0, 10.0, 0.0));
+  EXPECT_EQ(spec.views[0].up, Vec3d(0.0, 0.0, 1.0));
+  EXPECT_EQ(spec.views[0].fov_deg, 22.5);
+  EXPECT_EQ(spec.views[0].width_px, 320);
+  EXPECT_EQ(spec.views[0].height_px, 200);
+
+  ASSERT_EQ(spec.profiles.size(), 2U);
+  EXPECT_EQ(spec.profiles[0].name, "skin-six-gaussian");
+  EXPECT_TRUE(spec.profiles[0].builtin);
+  EXPECT_EQ(spec.profiles[0].where.line, 46);
+  EXPECT_FALSE(spec.profiles[1].builtin);
+  EXPECT_EQ(spec.profiles[1].delta_weight, Vec3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(spec.profiles[1].r_max_mm, 7.5);
+  ASSERT_EQ(spec.profiles[1].gaussians.size(), 2U);  // ascending in the red variance
+  EXPECT_EQ(spec.profiles[1].gaussians[0].variance_mm2, Vec3d(1.0, 2.0, 0.1));
+  EXPECT_EQ(spec.profiles[1].gaussians[0].weight, Vec3d(0.4, 0.4, 0.4));
+  EXPECT_EQ(spec.profiles[1].gaussians[1].variance_mm2, Vec3d(4.0, 4.0, 4.0));
+  EXPECT_EQ(spec.profiles[1].gaussians[1].weight, Vec3d(0.5, 0.4, 0.3));
+
+  ASSERT_EQ(spec.methods.size(), 2U);
+  EXPECT_EQ(spec.methods[0].label, "pscbf");
+  EXPECT_TRUE(spec.methods[0].settings.empty());
+  EXPECT_EQ(spec.methods[1].name, "pscbf");
+  EXPECT_EQ(spec.methods[1].label, "pscbf-7");
+  EXPECT_EQ(std::get<double>(spec.methods[1].settings.at("taps")), 7.0);
+  EXPECT_EQ(std::get<std::string>(spec.methods[1].settings.at("placement")), "centroid");
+  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 66);
+
+  EXPECT_EQ(spec.truth.tolerance, 1e-9);
+  EXPECT_EQ(spec.truth.audit_points, 300);
+  EXPECT_EQ(spec.truth.seed, 42U);
+  EXPECT_EQ(spec.timing.warm_up, 4);
+  EXPECT_EQ(spec.timing.repeats, 9);
+
+  ASSERT_EQ(spec.thresholds.size(), 2U);
+  EXPECT_EQ(spec.thresholds[0].method, "pscbf-7");
+  EXPECT_EQ(spec.thresholds[0].metric, "p99");
+  EXPECT_EQ(spec.thresholds[0].maximum, 0.125);
+  EXPECT_EQ(spec.thresholds[1].metric, "rmse");
+}
+
+TEST_F(ExperimentSpecTest, HasTheDocumentedDefaults) {
+  const ExperimentSpec spec = read(kMinimal);
+  EXPECT_EQ(spec.name, "e");  // the file's
+  EXPECT_EQ(spec.question, "");
+  EXPECT_EQ(spec.scene.unit_mm, 1.0);
+  EXPECT_EQ(spec.scene.normals, "automatic");
+  EXPECT_EQ(spec.scene.loop_subdivisions, 0);
+  EXPECT_TRUE(spec.scene.parameters.empty());
+  EXPECT_EQ(spec.lights[0].type, "directional");
+  EXPECT_EQ(spec.lights[0].color, Vec3d(1, 1, 1));
+  EXPECT_TRUE(spec.lights[0].shadows);
+  EXPECT_EQ(spec.shading.tolerance, 0.02);
+  EXPECT_EQ(spec.shading.floor_mm, 0.4);
+  EXPECT_EQ(spec.views[0].target_mm, Vec3d(0, 0, 0));
+  EXPECT_EQ(spec.views[0].up, Vec3d(0, 1, 0));
+  EXPECT_EQ(spec.views[0].fov_deg, 30.0);
+  EXPECT_EQ(spec.views[0].width_px, 640);
+  EXPECT_EQ(spec.views[0].height_px, 640);
+  EXPECT_EQ(spec.methods[0].label, "none");
+  EXPECT_EQ(spec.truth.tolerance, 1e-4);
+  EXPECT_EQ(spec.truth.audit_points, 256);
+  EXPECT_EQ(spec.truth.seed, 1U);
+  EXPECT_EQ(spec.timing.warm_up, 1);
+  EXPECT_EQ(spec.timing.repeats, 3);
+  EXPECT_TRUE(spec.thresholds.empty());
+}
+
+// Without r_max_mm a profile ends at three standard deviations of its widest Gaussian: 3 sqrt(4).
+TEST_F(ExperimentSpecTest, AProfilesRadiusIsThreeStandardDeviations) {
+  const ExperimentSpec spec = read(kMinimal + R"([[profile]]
+name = "own"
+[[profile.gaussian]]
+variance_mm2 = [1, 4, 2]
+weight = 1
+)");
+  EXPECT_EQ(spec.profiles[1].r_max_mm, 6.0);
+}
+
+// Everything but where a value stood.
+void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.question, b.question);
+  EXPECT_EQ(a.expectation, b.expectation);
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.scene.parameters, b.scene.parameters);
+  EXPECT_EQ(a.scene.unit_mm, b.scene.unit_mm);
+  EXPECT_EQ(a.scene.normals, b.scene.normals);
+  EXPECT_EQ(a.scene.loop_subdivisions, b.scene.loop_subdivisions);
+  EXPECT_EQ(a.scene.obtain, b.scene.obtain);
+  ASSERT_EQ(a.lights.size(), b.lights.size());
+  for (std::size_t i = 0; i < a.lights.size(); ++i) {
+    EXPECT_EQ(a.lights[i].type, b.lights[i].type);
+    EXPECT_EQ(a.lights[i].direction, b.lights[i].direction);
+    EXPECT_EQ(a.lights[i].position_mm, b.lights[i].position_mm);
+    EXPECT_EQ(a.lights[i].reference_mm, b.lights[i].reference_mm);
+    EXPECT_EQ(a.lights[i].color, b.lights[i].color);
+    EXPECT_EQ(a.lights[i].shadows, b.lights[i].shadows);
+  }
+  EXPECT_EQ(a.shading.tolerance, b.shading.tolerance);
+  EXPECT_EQ(a.shading.floor_mm, b.shading.floor_mm);
+  ASSERT_EQ(a.views.size(), b.views.size());
+  for (std::size_t i = 0; i < a.views.size(); ++i) {
+    EXPECT_EQ(a.views[i].name, b.views[i].name);
+    EXPECT_EQ(a.views[i].eye_mm, b.views[i].eye_mm);
+    EXPECT_EQ(a.views[i].target_mm, b.views[i].target_mm);
+    EXPECT_EQ(a.views[i].up, b.views[i].up);
+    EXPECT_EQ(a.views[i].fov_deg, b.views[i].fov_deg);
+    EXPECT_EQ(a.views[i].width_px, b.views[i].width_px);
+    EXPECT_EQ(a.views[i].height_px, b.views[i].height_px);
+  }
+  ASSERT_EQ(a.profiles.size(), b.profiles.size());
+  for (std::size_t i = 0; i < a.profiles.size(); ++i) {
+    EXPECT_EQ(a.profiles[i].name, b.profiles[i].name);
+    EXPECT_EQ(a.profiles[i].builtin, b.profiles[i].builtin);
+    EXPECT_EQ(a.profiles[i].delta_weight, b.profiles[i].delta_weight);
+    EXPECT_EQ(a.profiles[i].r_max_mm, b.profiles[i].r_max_mm);
+    ASSERT_EQ(a.profiles[i].gaussians.size(), b.profiles[i].gaussians.size());
+    for (std::size_t g = 0; g < a.profiles[i].gaussians.size(); ++g) {
+      EXPECT_EQ(a.profiles[i].gaussians[g].variance_mm2, b.profiles[i].gaussians[g].variance_mm2);
+      EXPECT_EQ(a.profiles[i].gaussians[g].weight, b.profiles[i].gaussians[g].weight);
+    }
+  }
+  ASSERT_EQ(a.methods.size(), b.methods.size());
+  for (std::size_t i = 0; i < a.methods.size(); ++i) {
+    EXPECT_EQ(a.methods[i].name, b.methods[i].name);
+    EXPECT_EQ(a.methods[i].label, b.methods[i].label);
+    EXPECT_EQ(a.methods[i].settings, b.methods[i].settings);
+  }
+  EXPECT_EQ(a.truth.tolerance, b.truth.tolerance);
+  EXPECT_EQ(a.truth.audit_points, b.truth.audit_points);
+  EXPECT_EQ(a.truth.seed, b.truth.seed);
+  EXPECT_EQ(a.timing.warm_up, b.timing.warm_up);
+  EXPECT_EQ(a.timing.repeats, b.timing.repeats);
+  ASSERT_EQ(a.thresholds.size(), b.thresholds.size());
+  for (std::size_t i = 0; i < a.thresholds.size(); ++i) {
+    EXPECT_EQ(a.thresholds[i].method, b.thresholds[i].method);
+    EXPECT_EQ(a.thresholds[i].metric, b.thresholds[i].metric);
+    EXPECT_EQ(a.thresholds[i].maximum, b.thresholds[i].maximum);
+  }
+}
+
+// A resolved file lies in the results' folder, so the mesh's path becomes absolute; all else stays, to the
+// bit.
+TEST_F(ExperimentSpecTest, AResolvedFileGivesTheSameExperiment) {
+  for (const std::string& text : {kMinimal, kFull}) {
+    const ExperimentSpec spec = read(text);
+    const ExperimentSpec again = read(to_toml(spec));
+    expect_same(again, spec);
+    EXPECT_EQ(to_toml(again), to_toml(spec));
+  }
+  const ExperimentSpec again = read(to_toml(read(kFull)));
+  EXPECT_EQ(again.scene.mesh, (folder_.path() / "head.obj").string());
+  EXPECT_EQ(again.scene.skin_mask, (folder_.path() / "masks/skin.png").string());
+}
+
+// Normalising a normalised vector moves its last bits for many directions: a resolved file must not.
+TEST_F(ExperimentSpecTest, AResolvedDirectionKeepsItsBits) {
+  for (int i = 1; i <= 50; ++i) {
+    const std::string direction = fmt::format("light.0.direction=[{}, {}, {}]", 0.1 * i, 0.7, 1.0 / i);
+    const ExperimentSpec spec = read(kMinimal, {direction});
+    ASSERT_EQ(read(to_toml(spec)).lights[0].direction, spec.lights[0].direction) << direction;
+  }
+}
+
+TEST_F(ExperimentSpecTest, ParametersAndVariablesSurviveResolving) {
+  const ExperimentSpec spec = read(kMinimal, {"scene.parameters.size_mm=20.5"});
+  EXPECT_EQ(read(to_toml(spec)).scene.parameters, (std::map<std::string, double>{{"size_mm", 20.5}}));
+  const ExperimentSpec with_variable = read(kMinimal, {"scene.mesh=${TRUESCATTER_DATA}/a.obj"});
+  EXPECT_EQ(read(to_toml(with_variable)).scene.mesh, "${TRUESCATTER_DATA}/a.obj");
+}
+
+TEST_F(ExperimentSpecTest, OverridesReplaceAndAddValues) {
+  const ExperimentSpec spec =
+      read(kFull, {"timing.repeats=5", "name=other", "view.1.fov_deg=12", "view.left_1.width_px=64",
+                   "light.0.direction=[0, 0, 2]", "method.1.settings.placement=median",
+                   "scene.mesh=\"b=c.obj\"", "question=", "source=two words", "threshold.0.maximum=0.5"});
+  EXPECT_EQ(spec.timing.repeats, 5);
+  EXPECT_EQ(spec.timing.warm_up, 4);  // its neighbour stays
+  EXPECT_EQ(spec.name, "other");      // a bare word
+  EXPECT_EQ(spec.views[1].fov_deg, 12.0);
+  EXPECT_EQ(spec.views[0].width_px, 64);
+  EXPECT_EQ(spec.lights[0].direction, Vec3d(0, 0, 1));
+  EXPECT_EQ(std::get<std::string>(spec.methods[1].settings.at("placement")), "median");
+  EXPECT_EQ(spec.scene.mesh, "b=c.obj");  // only the first '=' parts key and value
+  EXPECT_EQ(spec.question, "");
+  EXPECT_EQ(spec.source, "two words");
+  EXPECT_EQ(spec.thresholds[0].maximum, 0.5);
+  // A table that the file does not have, and the later of two overrides.
+  EXPECT_EQ(read(kMinimal, {"truth.seed=7", "truth.seed=8"}).truth.seed, 8U);
+}
+
+struct BadOverride {
+  std::string text;
+  std::string message;  // all of it
+};
+
+TEST_F(ExperimentSpecTest, BadOverridesNameThemselves) {
+  const std::vector<BadOverride> cases = {
+      {"nonsense", "--set nonsense: must have the form key.key=value"},
+      {"=1", "--set =1: must have the form key.key=value"},
+      {"timing..repeats=1", "--set timing..repeats=1: must have the form key.key=value"},
+      {"timing.=1", "--set timing.=1: must have the form key.key=value"},
+      {".timing=1", "--set .timing=1: must have the form key.key=value"},
+      {"view.7.fov_deg=1", "--set view.7.fov_deg=1: '7' names no entry of this array (2 entries)"},
+      {"view.back.fov_deg=1", "--set view.back.fov_deg=1: 'back' names no entry of this array (2 entries)"},
+      {"name.x=1", "--set name.x=1: 'x' is below a value that is not a table"},
+      {"timing.repeats=two", "--set timing.repeats=two: 'timing.repeats' must be a number"},
+      {"timing.repeats=5 6", "--set timing.repeats=5 6: 'timing.repeats' must be a number"},
+      {"timing.repeats=5\nx=6", "--set timing.repeats=5\nx=6: 'timing.repeats' must be a number"},
+      {"timing.repeats=0", "--set timing.repeats=0: 'timing.repeats' is 0; it must lie in [1, 10000]"},
+      {"timing.pauses=1", "--set timing.pauses=1: unknown key 'timing.pauses'; known here: repeats, warm_up"},
+      {"view=3", "--set view=3: 'view' must be an array of tables ([[view]])"},
+      {"method=[]", "--set method=[]: 'method' is missing: an experiment needs at least one [[method]]"},
+      {"truth.seed=nan", "--set truth.seed=nan: 'truth.seed' must be finite"}};
+  for (const BadOverride& bad : cases) {
+    const auto error = error_of([&] { read(kFull, {bad.text}); });
+    ASSERT_TRUE(error.has_value()) << bad.text;
+    EXPECT_EQ(error->kind(), ErrorKind::input);
+    EXPECT_EQ(error->what(), bad.message);
+  }
+  const auto unknown = error_of([&] { read(kMinimal, {"nothing.here=1"}); });
+  ASSERT_TRUE(unknown.has_value());
+  EXPECT_EQ(std::string(unknown->what()).rfind("--set nothing.here=1: unknown key 'nothing'", 0), 0U)
+      << unknown->what();
+}
+
+TEST_F(ExperimentSpecTest, PathsAreRelativeToTheExperiment) {
+  const ExperimentSpec spec = read(kMinimal);
+  folder_.write("a.obj", "");
+  EXPECT_EQ(resolve_path(spec, "a.obj", {}), folder_.path() / "a.obj");
+  EXPECT_EQ(resolve_path(spec, (folder_.path() / "a.obj").string(), {}), folder_.path() / "a.obj");
+  setenv("TRUESCATTER_TEST_FOLDER", folder_.path().c_str(), 1);
+  EXPECT_EQ(resolve_path(spec, "${TRUESCATTER_TEST_FOLDER}/a.obj", {}), folder_.path() / "a.obj");
+}
+
+TEST_F(ExperimentSpecTest, AMissingFileTellsWhereToObtainIt) {
+  ExperimentSpec spec = read(kMinimal);
+  spec.scene.obtain = "Ask the librarian.";
+  const auto missing = error_of([&] { resolve_path(spec, "none.obj", {"e.toml", 2, 8}); });
+  ASSERT_TRUE(missing.has_value());
+  EXPECT_EQ(missing->kind(), ErrorKind::input);
+  EXPECT_EQ(missing->what(),
+            "e.toml:2:8: no such file: " + (folder_.path() / "none.obj").string() + "\nAsk the librarian.");
+  unsetenv("TRUESCATTER_TEST_UNSET");
+  const auto unset = error_of([&] { resolve_path(spec, "${TRUESCATTER_TEST_UNSET}/a", {"e.toml", 2, 8}); });
+  ASSERT_TRUE(unset.has_value());
+  EXPECT_STREQ(unset->what(),
+               "e.toml:2:8: '${TRUESCATTER_TEST_UNSET}/a': the environment variable TRUESCATTER_TEST_UNSET "
+               "is not set\n"
+               "Ask the librarian.");
+}
+
+}  // namespace
+}  // namespace truescatter
