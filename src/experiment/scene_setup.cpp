@@ -1,5 +1,6 @@
 #include "experiment/scene_setup.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/image_io.h"
@@ -15,11 +16,16 @@ constexpr std::size_t kResidualSamples = 20000;
 Mesh load_scene_mesh(const ExperimentSpec& spec) {
   const SceneSpec& scene = spec.scene;
   if (scene.mesh.starts_with(kBuiltinPrefix)) {
+    const std::string name = scene.mesh.substr(kBuiltinPrefix.size());
     const BuiltinParameters parameters(scene.parameters.begin(), scene.parameters.end());
     try {
-      return make_builtin(scene.mesh.substr(kBuiltinPrefix.size()), parameters);
+      return make_builtin(name, parameters);
     } catch (const Error& error) {
-      throw Error(error.kind(), scene.parameters.empty() ? scene.mesh_where : scene.parameters_where, error.what());
+      const std::vector<BuiltinScene>& known = builtin_scenes();
+      const bool named =
+          std::any_of(known.begin(), known.end(), [&](const BuiltinScene& s) { return s.name == name; });
+      const bool parameter = named && !scene.parameters.empty();
+      throw Error(error.kind(), parameter ? scene.parameters_where : scene.mesh_where, error.what());
     }
   }
   LoadOptions options;
@@ -65,12 +71,15 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   scene.shading =
       make_shading_mesh(scene.mesh, lighting, mask, {spec.shading.tolerance, spec.shading.floor_mm});
   scene.shading.residual = measure_residual(scene.shading, lighting, kResidualSamples, spec.truth.seed);
+  bool any_skin = false;
   for (const ShadingTriangle& triangle : scene.shading.triangles) {
     if (!triangle.skin) continue;
+    any_skin = true;
     for (const Vec3d& value : triangle.irradiance) {
       scene.largest_irradiance = std::max(scene.largest_irradiance, value.maxCoeff());
     }
   }
+  if (!any_skin) throw_input_error(spec.scene.skin_mask_where, "the mask leaves no skin");
   if (!(scene.largest_irradiance > 0.0)) {
     throw_input_error({spec.file.string()}, "no light reaches the skin: every irradiance is 0");
   }

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/file.h"
+#include "support/run_program.h"
+#include "support/temp_dir.h"
+
+namespace truescatter::test {
+
+// A small experiment: 48 x 48 pixels of a square of 20 mm that fills the frame.
+inline const std::string kTiny = R"(name = "tiny"
+
+[scene]
+mesh = "builtin:plane"
+[scene.parameters]
+size_mm = 20.0
+edge_mm = 5.0
+
+[[light]]
+direction = [0.0, 0.5, 1.0]
+
+[[view]]
+name = "front"
+eye_mm = [0.0, 0.0, 100.0]
+fov_deg = 10.0
+width_px = 48
+height_px = 48
+
+[[profile]]
+name = "spike-and-base"
+
+[[method]]
+name = "none"
+
+[[method]]
+name = "pscbf"
+
+[timing]
+warm_up = 0
+repeats = 1
+)";
+
+// The text with one piece replaced, which must be there.
+inline std::string with(std::string text, const std::string& piece, const std::string& replacement) {
+  const std::size_t at = text.find(piece);
+  if (at == std::string::npos) throw std::runtime_error("no such piece: " + piece);
+  return text.replace(at, piece.size(), replacement);
+}
+
+// Runs the built program in a folder of its own.
+class Cli : public testing::Test {
+ protected:
+  ProgramResult truescatter(const std::vector<std::string>& arguments) const {
+    return run_program(TRUESCATTER_BINARY, arguments, folder_.path());
+  }
+  // `run` of an experiment's text, with results in out/.
+  ProgramResult run(const std::string& experiment, const std::vector<std::string>& arguments = {}) const {
+    folder_.write("e.toml", experiment);
+    std::vector<std::string> all = {"run", "e.toml", "--out", "out"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return truescatter(all);
+  }
+  bool exists(const std::string& name) const { return std::filesystem::exists(folder_.path() / name); }
+  std::string text(const std::string& name) const { return read_text_file(folder_.path() / name); }
+  nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(text(name)); }
+
+  TempDir folder_;
+};
+
+inline bool contains(const std::string& text, const std::string& piece) {
+  return text.find(piece) != std::string::npos;
+}
+
+}  // namespace truescatter::test

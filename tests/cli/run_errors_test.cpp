@@ -1,0 +1,178 @@
+#include <cstdlib>
+
+#include "cli/cli_fixture.h"
+#include "core/image_io.h"
+
+namespace truescatter::test {
+namespace {
+
+// Wrong input: exit code 2, a message that starts with the program's name and says what is wrong, no results.
+class CliErrors : public Cli {
+ protected:
+  void expect_refused(const ProgramResult& result, const std::vector<std::string>& pieces) const {
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    for (const std::string& piece : pieces)
+      EXPECT_TRUE(contains(result.err, piece)) << piece << "\nin\n" << result.err;
+    EXPECT_FALSE(exists("out"));
+    EXPECT_FALSE(exists("runs"));
+  }
+};
+
+const std::string kMeshFile = with(kTiny, R"(mesh = "builtin:plane"
+[scene.parameters]
+size_mm = 20.0
+edge_mm = 5.0
+)",
+                                   R"(mesh = "a.obj"
+obtain = "Ask the librarian."
+)");
+
+// A square of 20 mm without UVs.
+const std::string kSquareObj = "v -10 -10 0\nv 10 -10 0\nv 10 10 0\nv -10 10 0\nf 1 2 3\nf 1 3 4\n";
+
+TEST_F(CliErrors, NoSuchExperiment) {
+  expect_refused(truescatter({"run", "none.toml", "--out", "out"}), {"truescatter: none.toml: no such file"});
+}
+
+TEST_F(CliErrors, AFolderForAnExperiment) {
+  expect_refused(truescatter({"run", ".", "--out", "out"}), {"is a folder"});
+}
+
+TEST_F(CliErrors, WrongUsage) {
+  expect_refused(run(kTiny, {"--frobnicate"}), {"--frobnicate"});
+  expect_refused(run(kTiny, {"--jobs", "0"}), {"--jobs"});
+  expect_refused(run(kTiny, {"--jobs", "two"}), {"--jobs"});
+  expect_refused(truescatter({}), {"subcommand"});
+  expect_refused(truescatter({"frobnicate"}), {"subcommand"});
+  expect_refused(truescatter({"run"}), {"experiment"});
+}
+
+TEST_F(CliErrors, UnknownKey) {
+  expect_refused(run(with(kTiny, "repeats = 1", "repeat = 1")),
+                 {"truescatter: e.toml:30:10: unknown key 'timing.repeat'"});
+}
+
+TEST_F(CliErrors, BadOverride) {
+  expect_refused(run(kTiny, {"--set", "timing.repeats=0"}),
+                 {"truescatter: --set timing.repeats=0: 'timing.repeats' is 0"});
+}
+
+TEST_F(CliErrors, NegativeUnit) {
+  expect_refused(run(with(kMeshFile, "obtain", "unit_mm = -1.0\nobtain")),
+                 {"truescatter: e.toml:5:11: 'scene.unit_mm' is -1"});
+}
+
+TEST_F(CliErrors, UnknownNames) {
+  expect_refused(run(with(kTiny, "\"pscbf\"", "\"psc\"")),
+                 {"truescatter: e.toml:26:8: there is no method 'psc'; there are: none, "});
+  expect_refused(
+      run(with(kTiny, "\"spike-and-base\"", "\"spike\"")),
+      {"truescatter: e.toml:20:8: there is no built-in profile 'spike'; there are: spike-and-base, "});
+  expect_refused(run(with(kTiny, "builtin:plane", "builtin:plain")),
+                 {"truescatter: e.toml:4:8: ", "\"plain\" is not a built-in scene", "plane"});
+  expect_refused(
+      run(with(kTiny, "size_mm", "sise_mm")),
+      {"truescatter: e.toml:5:1: ", "the scene \"plane\" has no parameter \"sise_mm\"", "size_mm"});
+  expect_refused(run(with(kTiny, "20.0", "-20.0")), {"truescatter: e.toml:5:1: ", "size_mm = -20"});
+}
+
+TEST_F(CliErrors, WrongSettings) {
+  const auto with_setting = [](const std::string& line) {
+    return with(kTiny, "[timing]", "[method.settings]\n" + line + "\n[timing]");
+  };
+  expect_refused(run(with_setting("tapes = 3")),
+                 {"truescatter: e.toml:29:9: method 'pscbf' has no setting 'tapes'"});
+  expect_refused(run(with_setting("taps = -3")),
+                 {"truescatter: e.toml:29:8: method 'pscbf': 'taps' is -3; it must lie in "});
+  expect_refused(run(with_setting("placement = \"middle\"")),
+                 {"truescatter: e.toml:29:13: ", "it must be one of: "});
+}
+
+TEST_F(CliErrors, NoSuchMesh) {
+  expect_refused(run(kMeshFile), {"truescatter: e.toml:4:8: no such file: ", "a.obj\nAsk the librarian."});
+}
+
+TEST_F(CliErrors, UnsetVariable) {
+  unsetenv("TRUESCATTER_DATA");
+  expect_refused(run(with(kMeshFile, "a.obj", "${TRUESCATTER_DATA}/a.obj")),
+                 {"truescatter: e.toml:4:8: ",
+                  "the environment variable TRUESCATTER_DATA is not set\nAsk the librarian."});
+}
+
+TEST_F(CliErrors, NanVertex) {
+  folder_.write("a.obj", with(kSquareObj, "10 10 0", "10 nan 0"));
+  expect_refused(run(kMeshFile), {"a.obj:3"});
+}
+
+TEST_F(CliErrors, IndexOutOfRange) {
+  folder_.write("a.obj", with(kSquareObj, "f 1 3 4", "f 1 3 5"));
+  expect_refused(run(kMeshFile), {"a.obj:6"});
+}
+
+TEST_F(CliErrors, EmptyMesh) {
+  folder_.write("a.obj", "v 0 0 0\n");
+  expect_refused(run(kMeshFile), {"a.obj"});
+  folder_.write("a.obj", "");
+  expect_refused(run(kMeshFile), {"a.obj"});
+}
+
+TEST_F(CliErrors, UnknownMeshFormat) {
+  folder_.write("a.txt", kSquareObj);
+  expect_refused(run(with(kMeshFile, "a.obj", "a.txt")), {"a.txt"});
+}
+
+TEST_F(CliErrors, AViewThatSeesNoSkin) {
+  expect_refused(run(kTiny, {"--set", "view.front.target_mm=[0,0,200]"}),
+                 {"e.toml", "view 'front' sees no skin"});
+}
+
+// The square faces +z, the light stands behind it.
+TEST_F(CliErrors, ALightThatReachesNothing) {
+  expect_refused(run(with(kTiny, "[0.0, 0.5, 1.0]", "[0.0, 0.5, -1.0]")),
+                 {"e.toml", "no light reaches the skin"});
+  expect_refused(run(with(kTiny, "1.0]", "1.0]\ncolor = 0.0")), {"e.toml", "no light reaches the skin"});
+}
+
+TEST_F(CliErrors, ASkinMaskWithoutUvs) {
+  folder_.write("a.obj", kSquareObj);
+  write_png(folder_.path() / "mask.png", Image(4, 4, 1, 1.0F));
+  expect_refused(run(with(kMeshFile, "obtain", "skin_mask = \"mask.png\"\nobtain")),
+                 {"truescatter: e.toml:5:13: ", "'scene.skin_mask'", "has no UVs"});
+}
+
+TEST_F(CliErrors, ASkinMaskThatCannotBeRead) {
+  const std::string masked =
+      with(kTiny, "[scene.parameters]", "skin_mask = \"mask.png\"\n[scene.parameters]");
+  expect_refused(run(masked), {"truescatter: e.toml:5:13: no such file: "});
+  folder_.write("mask.png", "no picture");
+  expect_refused(run(masked), {"mask.png: cannot read this image"});
+}
+
+TEST_F(CliErrors, AMaskThatLeavesNoSkin) {
+  write_png(folder_.path() / "mask.png", Image(4, 4, 1, 0.0F));
+  expect_refused(run(with(kTiny, "[scene.parameters]", "skin_mask = \"mask.png\"\n[scene.parameters]")),
+                 {"truescatter: e.toml:5:13: the mask leaves no skin"});
+}
+
+// An output folder that cannot be made is a failed run, not wrong input; a file in its place stays as it was.
+TEST_F(CliErrors, AnOutputFolderThatIsAFile) {
+  folder_.write("out", "precious");
+  const ProgramResult result = run(kTiny);
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_TRUE(contains(result.err, "out/maps: cannot make this folder")) << result.err;
+  EXPECT_EQ(text("out"), "precious");
+}
+
+TEST_F(CliErrors, AThresholdOnNoMethod) {
+  expect_refused(run(kTiny + "[[threshold]]\nmethod = \"blur2d\"\nmaximum = 1\n"),
+                 {"truescatter: e.toml:32:10: 'threshold.method' is \"blur2d\""});
+}
+
+TEST_F(CliErrors, EveryErrorComesBeforeADryRunEnds) {
+  const ProgramResult result = run(with(kTiny, "\"pscbf\"", "\"psc\""), {"--dry-run"});
+  expect_refused(result, {"there is no method 'psc'"});
+  EXPECT_EQ(result.out, "");
+}
+
+}  // namespace
+}  // namespace truescatter::test

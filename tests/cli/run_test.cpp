@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <set>
+
+#include "cli/cli_fixture.h"
+#include "core/image_io.h"
+
+namespace truescatter::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class CliRun : public Cli {};
+
+void expect_keys(const Json& object, const std::vector<std::string>& keys, const std::string& what) {
+  for (const std::string& key : keys) EXPECT_TRUE(object.contains(key)) << what << " lacks " << key;
+}
+
+// DESIGN section 4.
+TEST_F(CliRun, WritesEveryFileWithTheDocumentedKeys) {
+  const ProgramResult result = run(kTiny);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.out, "report.html"));
+  for (const char* name :
+       {"out/report.html", "out/results.json", "out/results.csv", "out/experiment.resolved.toml"}) {
+    EXPECT_TRUE(exists(name)) << name;
+  }
+  // A bare NaN or Infinity is no JSON, so parsing would fail; quoted ones must not be there either.
+  const std::string text_of_json = text("out/results.json");
+  EXPECT_FALSE(contains(text_of_json, "\"nan\""));
+  EXPECT_FALSE(contains(text_of_json, "\"NaN\""));
+  const Json results = Json::parse(text_of_json);
+  expect_keys(results, {"schema", "provenance", "truths", "runs"}, "results");
+  expect_keys(results.at("provenance"), {"version", "commit", "compiler", "gl_renderer", "machine"},
+              "provenance");
+  ASSERT_FALSE(results.at("truths").empty());
+  for (const Json& truth : results.at("truths")) {
+    expect_keys(truth, {"metric", "normalised", "seconds", "points", "uncertainty", "certificate"}, "truth");
+    expect_keys(truth.at("certificate"), {"audited", "max_error", "tolerance"}, "certificate");
+    EXPECT_GE(truth.at("certificate").at("audited"), 256);
+    EXPECT_LE(truth.at("certificate").at("max_error"), truth.at("certificate").at("tolerance"));
+    EXPECT_EQ(truth.at("points"), 48 * 48);  // the square is 20 mm, the frame 17.5 mm: all is skin
+  }
+  ASSERT_EQ(results.at("runs").size(), 2U);
+  const std::vector<std::string> errors = {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max"};
+  for (const Json& run : results.at("runs")) {
+    expect_keys(run, {"scene", "view", "method", "settings", "truth", "metrics", "own_target", "cost"},
+                "run");
+    expect_keys(run.at("cost"), {"frame_ms", "setup_ms", "passes", "fetches_per_pixel", "bytes_per_pixel"},
+                "cost");
+    expect_keys(run.at("cost").at("frame_ms"), {"median", "min", "max", "repeats"}, "frame_ms");
+    expect_keys(run.at("own_target"), {"truth", "metrics"}, "own_target");
+    expect_keys(run.at("metrics"), errors, "metrics");
+    expect_keys(run.at("metrics"), {"flip", "halo", "channels"}, "metrics");
+    for (const char* channel : {"r", "g", "b"}) {
+      expect_keys(run.at("metrics").at("channels").at(channel), errors, channel);
+      expect_keys(run.at("metrics").at("channels").at(channel), {"halo"}, channel);
+    }
+    const Json& halo = run.at("metrics").at("halo");
+    expect_keys(halo, {"peak", "width_mm", "energy", "contrast", "outer", "inner"}, "halo");
+    expect_keys(halo.at("outer"), {"near"}, "halo.outer");
+    expect_keys(halo.at("inner"), {"near", "far"}, "halo.inner");
+    // The square fills the frame: there is no silhouette, and the reason is said.
+    EXPECT_TRUE(halo.at("peak").is_null());
+    EXPECT_TRUE(halo.at("peak_reason").is_string());
+    for (const auto& [what, file] : run.at("files").items()) {
+      EXPECT_TRUE(exists("out/" + file.get<std::string>())) << what << " " << file;
+    }
+  }
+  for (const Json& truth : results.at("truths")) {
+    if (!truth.contains("files")) continue;
+    for (const auto& [what, file] : truth.at("files").items())
+      EXPECT_TRUE(exists("out/" + file.get<std::string>())) << what;
+  }
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path() / "out")) {
+    EXPECT_FALSE(contains(entry.path().filename().string(), ".part")) << entry.path();
+  }
+}
+
+// A flat square under a distant light is lit evenly. Light is only lost within 3 standard deviations of its
+// border, which normalisation gives back, so the truth equals the irradiance and no scattering is exact: what
+// is left is the truth's tolerance, 1e-4 of the largest irradiance.
+TEST_F(CliRun, NoScatteringIsExactUnderEvenLight) {
+  ASSERT_EQ(run(kTiny).exit_code, 0);
+  const Json results = json("out/results.json");
+  const double bound = 1e-4 * results.at("scene").at("largest_irradiance").get<double>();
+  for (const Json& run : results.at("runs")) {
+    if (run.at("method") == "none") {
+      EXPECT_LE(run.at("metrics").at("max").get<double>(), bound);
+    }
+  }
+}
+
+TEST_F(CliRun, TheCsvHasARowForEachRun) {
+  ASSERT_EQ(run(kTiny).exit_code, 0);
+  const std::string csv = text("out/results.csv");
+  std::vector<std::string> lines;
+  std::istringstream stream(csv);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 3U) << csv;
+  EXPECT_EQ(lines[0].rfind("view,profile,method,label,skipped,bias,", 0), 0U) << lines[0];
+  EXPECT_EQ(lines[1].rfind("front,spike-and-base,none,none,,", 0), 0U) << lines[1];
+  EXPECT_EQ(lines[2].rfind("front,spike-and-base,pscbf,pscbf,,", 0), 0U) << lines[2];
+  for (const std::string& line : lines) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(lines[0].begin(), lines[0].end(), ','))
+        << line;
+  }
+  EXPECT_FALSE(contains(csv, "nan"));
+}
+
+// The maps hold what the JSON says: the picture and the truth, compared again from their files.
+TEST_F(CliRun, ComparingItsMapsGivesItsMetrics) {
+  ASSERT_EQ(run(kTiny).exit_code, 0);
+  const Json results = json("out/results.json");
+  for (const Json& run : results.at("runs")) {
+    const std::string picture = "out/" + run.at("files").at("exr").get<std::string>();
+    const ProgramResult compared =
+        truescatter({"compare", picture, "out/maps/front.spike-and-base.truth.exr", "--json"});
+    ASSERT_EQ(compared.exit_code, 0) << compared.err;
+    const Json stats = Json::parse(compared.out);
+    for (const char* key : {"pixels", "bias", "mae", "rmse", "p50", "p99", "max"}) {
+      EXPECT_EQ(stats.at(key), run.at("metrics").at(key)) << key;
+    }
+  }
+}
+
+// Everything that a run says but times and provenance.
+Json without_times(Json results) {
+  results.erase("provenance");
+  for (Json& truth : results.at("truths")) truth.erase("seconds");
+  for (Json& run : results.at("runs")) {
+    if (!run.contains("cost")) continue;
+    run.at("cost").erase("frame_ms");
+    run.at("cost").erase("setup_ms");
+  }
+  return results;
+}
+
+// A scene with a shadow edge, a silhouette and every method, so that there is something to differ.
+const std::string kCards =
+    with(with(with(kTiny, "builtin:plane", "builtin:cards"), "fov_deg = 10.0", "fov_deg = 16.0"),
+         "[0.0, 0.5, 1.0]", "[0.7, 0.0, 1.0]");
+
+TEST_F(CliRun, TheNumberOfJobsChangesNoDigit) {
+  ASSERT_EQ(run(kCards, {"--jobs", "1"}).exit_code, 0);
+  const Json one = json("out/results.json");
+  std::filesystem::rename(folder_.path() / "out", folder_.path() / "one");
+  ASSERT_EQ(run(kCards, {"--jobs", "2"}).exit_code, 0);
+  const Json two = json("out/results.json");
+  EXPECT_EQ(one.at("provenance").at("machine").at("jobs"), 1);
+  EXPECT_EQ(without_times(one).dump(1), without_times(two).dump(1));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path() / "one" / "maps")) {
+    const std::string name = "/maps/" + entry.path().filename().string();
+    if (entry.path().extension() != ".png") continue;
+    EXPECT_EQ(text("one" + name), text("out" + name)) << name;
+  }
+}
+
+TEST_F(CliRun, TheResolvedExperimentRepeatsTheRun) {
+  const ProgramResult first = run(kCards, {"--set", "truth.seed=5", "--set", "shading.tolerance=0.05"});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const ProgramResult second = truescatter({"run", "out/experiment.resolved.toml", "--out", "again"});
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_EQ(without_times(json("out/results.json")).dump(1),
+            without_times(json("again/results.json")).dump(1));
+  EXPECT_EQ(text("out/experiment.resolved.toml"), text("again/experiment.resolved.toml"));
+}
+
+TEST_F(CliRun, WithoutOutItWritesToRuns) {
+  folder_.write("e.toml", kTiny);
+  const ProgramResult result = truescatter({"run", "e.toml"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(exists("runs/tiny/results.json"));
+  EXPECT_EQ(result.out, "runs/tiny/report.html\n");
+}
+
+TEST_F(CliRun, ADryRunWritesNothing) {
+  const ProgramResult result = run(kTiny, {"--dry-run"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.out, "tiny: 1 views x 1 profiles x 2 methods = 2 runs")) << result.out;
+  EXPECT_TRUE(contains(result.out, "front: 48 x 48 px"));
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"e.toml"});
+}
+
+TEST_F(CliRun, OverridesReachTheRun) {
+  const ProgramResult result = run(kTiny, {"--set", "view.front.width_px=20", "--set", "name=other"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  EXPECT_EQ(results.at("views").at(0).at("width_px"), 20);
+  EXPECT_EQ(results.at("experiment").at("name"), "other");
+}
+
+// pscbf on a slanted light differs from the truth by more than nothing; none is bounded by a large number.
+TEST_F(CliRun, AnExceededThresholdEndsWithOneButWritesEverything) {
+  const std::string experiment = kCards + R"([[threshold]]
+method = "none"
+metric = "max"
+maximum = 1e-9
+[[threshold]]
+method = "pscbf"
+maximum = 1e9
+)";
+  const ProgramResult result = run(experiment);
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_TRUE(contains(result.err, "exceeded: e.toml:31")) << result.err;
+  EXPECT_TRUE(contains(result.err, "max of none in view front with spike-and-base is ")) << result.err;
+  EXPECT_FALSE(contains(result.err, "of pscbf")) << result.err;
+  EXPECT_TRUE(exists("out/report.html"));
+  EXPECT_EQ(json("out/results.json").at("exceeded").size(), 1U);
+  EXPECT_EQ(run(with(experiment, "1e-9", "1e9")).exit_code, 0);
+}
+
+TEST_F(CliRun, TextureSpaceWithoutUvsIsSkippedWithAReason) {
+  folder_.write("a.obj", "v -10 -10 0\nv 10 -10 0\nv 10 10 0\nv -10 10 0\nf 1 2 3\nf 1 3 4\n");
+  const std::string experiment =
+      with(with(kTiny, "mesh = \"builtin:plane\"\n[scene.parameters]\nsize_mm = 20.0\nedge_mm = 5.0\n",
+                "mesh = \"a.obj\"\n"),
+           "\"pscbf\"", "\"texture-space\"");
+  const ProgramResult result = run(experiment);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  ASSERT_EQ(results.at("runs").size(), 2U);
+  EXPECT_FALSE(results.at("runs").at(0).contains("skipped"));
+  EXPECT_EQ(results.at("runs").at(1).at("skipped"), "this method needs UVs, and the mesh has none");
+  EXPECT_FALSE(results.at("runs").at(1).contains("metrics"));
+  EXPECT_TRUE(
+      contains(text("out/results.csv"), "texture-space,\"this method needs UVs, and the mesh has none\","));
+}
+
+TEST_F(CliRun, ReportWritesTheReportAgain) {
+  ASSERT_EQ(run(kTiny).exit_code, 0);
+  std::filesystem::remove(folder_.path() / "out" / "report.html");
+  const ProgramResult result = truescatter({"report", "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(exists("out/report.html"));
+}
+
+// A second run into the same folder replaces the first one's files.
+TEST_F(CliRun, ARunReplacesAnEarlierOne) {
+  ASSERT_EQ(run(kTiny, {"--set", "name=first"}).exit_code, 0);
+  ASSERT_EQ(run(kTiny, {"--set", "name=second"}).exit_code, 0);
+  EXPECT_EQ(json("out/results.json").at("experiment").at("name"), "second");
+}
+
+}  // namespace
+}  // namespace truescatter::test
