@@ -20,27 +20,17 @@
 #include <utility>
 
 #include "core/error.h"
+#include "support/temp_dir.h"
 
 namespace truescatter {
 namespace {
 
 namespace fs = std::filesystem;
 
-// A folder of its own for each test.
 class LoadMesh : public testing::Test {
  protected:
-  void SetUp() override {
-    const testing::TestInfo* const info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() / ("truescatter_load_mesh_" + std::string(info->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path write(const std::string& name, const std::string& bytes) const {
-    const fs::path path = folder_ / name;
-    std::ofstream(path, std::ios::binary) << bytes;
-    return path;
+    return temporary_.write(name, bytes);
   }
 
   LoadedMesh load(const std::string& name, const std::string& bytes, const LoadOptions& options = {}) const {
@@ -65,7 +55,8 @@ class LoadMesh : public testing::Test {
     return "no error";
   }
 
-  fs::path folder_;
+  const test::TempDir temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
