@@ -85,8 +85,22 @@ void exact_engine(benchmark::State& state) {
 }
 
 // Standard deviation in hundredths of a millimetre.
-BENCHMARK(fast_engine)->Arg(8)->Arg(43)->Arg(75)->Arg(152)->Arg(272)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(exact_engine)->Arg(8)->Arg(43)->Arg(75)->Arg(152)->Arg(272)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(fast_engine)
+    ->Arg(8)
+    ->Arg(43)
+    ->Arg(75)
+    ->Arg(152)
+    ->Arg(272)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(exact_engine)
+    ->Arg(8)
+    ->Arg(43)
+    ->Arg(75)
+    ->Arg(152)
+    ->Arg(272)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace truescatter

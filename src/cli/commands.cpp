@@ -11,8 +11,8 @@
 #include "experiment/metrics_json.h"
 #include "experiment/plan.h"
 #include "experiment/run_experiment.h"
-#include "metrics/flip.h"
 #include "methods/method.h"
+#include "metrics/flip.h"
 #include "profile/profile.h"
 #include "report/report.h"
 #include "scene/builtin.h"
@@ -23,8 +23,8 @@ namespace {
 void require_same_size(const Image& a, const std::filesystem::path& a_path, const Image& b,
                        const std::filesystem::path& b_path) {
   if (a.width() == b.width() && a.height() == b.height()) return;
-  throw_input_error({a_path.string()}, "is {} x {} pixels, but {} is {} x {}; they must agree", a.width(), a.height(),
-                    b_path.string(), b.width(), b.height());
+  throw_input_error({a_path.string()}, "is {} x {} pixels, but {} is {} x {}; they must agree", a.width(),
+                    a.height(), b_path.string(), b.width(), b.height());
 }
 
 Image read_rgb(const std::filesystem::path& path) {
@@ -42,8 +42,8 @@ void print_stats(const std::string& name, const nlohmann::json& stats) {
   const auto text = [&](const char* key) {
     return stats.at(key).is_number() ? fmt::format("{:.6g}", stats.at(key).get<double>()) : std::string("-");
   };
-  fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", name, text("bias"), text("mae"),
-             text("rmse"), text("rel_rmse"), text("p50"), text("p95"), text("p99"), text("max"));
+  fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", name, text("bias"),
+             text("mae"), text("rmse"), text("rel_rmse"), text("p50"), text("p95"), text("p99"), text("max"));
 }
 
 }  // namespace
@@ -55,7 +55,8 @@ int run(const RunArguments& arguments) {
     fmt::print("{}", describe_plan(spec, make_plan(spec)));
     return 0;
   }
-  const std::filesystem::path folder = arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
+  const std::filesystem::path folder =
+      arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
   const RunOutcome outcome = run_experiment(spec, folder);
   write_report(outcome.folder);
   fmt::print("{}\n", (outcome.folder / "report.html").string());
@@ -78,11 +79,12 @@ int compare(const CompareArguments& arguments) {
     fmt::print("{}\n", stats.dump(1));
     return 0;
   }
-  fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", "", "bias", "mae", "rmse", "rel_rmse",
-             "p50", "p95", "p99", "max");
+  fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", "", "bias", "mae", "rmse",
+             "rel_rmse", "p50", "p95", "p99", "max");
   print_stats("luminance", stats);
   for (const char* channel : {"r", "g", "b"}) print_stats(channel, stats.at("channels").at(channel));
-  fmt::print("{} pixels; errors are test - truth; FLIP {}\n", stats.at("pixels").dump(), stats.at("flip").dump());
+  fmt::print("{} pixels; errors are test - truth; FLIP {}\n", stats.at("pixels").dump(),
+             stats.at("flip").dump());
   return 0;
 }
 
@@ -95,7 +97,8 @@ int report(const std::filesystem::path& folder) {
 int list() {
   fmt::print("methods\n");
   for (const Method& method : all_methods()) {
-    fmt::print("  {:<18} {} ({}){}\n", method.name, method.title, method.source, method.needs_uvs ? "; needs UVs" : "");
+    fmt::print("  {:<18} {} ({}){}\n", method.name, method.title, method.source,
+               method.needs_uvs ? "; needs UVs" : "");
     for (const SettingSpec& s : method.settings) {
       if (s.choices.empty()) {
         fmt::print("      {} = {} in [{}, {}]: {}\n", s.name, s.default_number, s.minimum, s.maximum, s.help);

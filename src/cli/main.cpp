@@ -16,7 +16,8 @@ constexpr int kUsageError = 2;
 constexpr int kRunFailed = 3;
 
 int dispatch(int argc, char** argv) {
-  CLI::App app("truescatter: how wrong real-time skin scattering is, where, why, and at what cost", "truescatter");
+  CLI::App app("truescatter: how wrong real-time skin scattering is, where, why, and at what cost",
+               "truescatter");
   app.require_subcommand(1);
 
   RunArguments run_arguments;
@@ -33,7 +34,8 @@ int dispatch(int argc, char** argv) {
 
   CompareArguments compare_arguments;
   CLI::App* compare = app.add_subcommand("compare", "Measure the error of one picture against another");
-  compare->add_option("test", compare_arguments.test, "Picture to measure (EXR: its plain R, G, B)")->required();
+  compare->add_option("test", compare_arguments.test, "Picture to measure (EXR: its plain R, G, B)")
+      ->required();
   compare->add_option("truth", compare_arguments.truth, "Picture to measure against")->required();
   compare->add_option("--mask", compare_arguments.mask, "Picture that is not 0 where pixels count");
   compare->add_flag("--json", compare_arguments.json, "Print JSON");

@@ -4,7 +4,8 @@
 
 namespace truescatter {
 
-std::filesystem::path resolve_path(const ExperimentSpec& spec, const std::string& path, const SourceLocation& where) {
+std::filesystem::path resolve_path(const ExperimentSpec& spec, const std::string& path,
+                                   const SourceLocation& where) {
   const std::string hint = spec.scene.obtain.empty() ? "" : "\n" + spec.scene.obtain;
   std::string expanded;
   try {

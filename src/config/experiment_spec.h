@@ -115,14 +115,16 @@ struct ExperimentSpec {
 // Reads an experiment file and applies overrides "a.b=c" (an entry of an array is named by its `name` or its
 // index). Throws Error (input) with file, line, column, the underlined value and the rule: syntax, unknown
 // key, wrong type, out of range, missing key.
-ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+ExperimentSpec read_experiment(const std::filesystem::path& file,
+                               const std::vector<std::string>& overrides = {});
 
 // The experiment as TOML with every default written out; reading it gives the same experiment.
 std::string to_toml(const ExperimentSpec& spec);
 
-// A path of the experiment: environment variables expanded; relative to the experiment's file, or to the working
-// folder where it starts with a variable. A variable
-// that is not set, or a file that is not there, is an Error (input) that repeats `obtain`.
-std::filesystem::path resolve_path(const ExperimentSpec& spec, const std::string& path, const SourceLocation& where);
+// A path of the experiment: environment variables expanded; relative to the experiment's file, or to the
+// working folder where it starts with a variable. A variable that is not set, or a file that is not there, is
+// an Error (input) that repeats `obtain`.
+std::filesystem::path resolve_path(const ExperimentSpec& spec, const std::string& path,
+                                   const SourceLocation& where);
 
 }  // namespace truescatter

@@ -31,7 +31,8 @@ SceneSpec read_scene(TomlTable table) {
   scene.mesh_where = table.where("mesh");
   TomlTable parameters = table.table("parameters");
   scene.parameters_where = parameters.where();
-  for (const std::string& key : parameters.keys()) scene.parameters[key] = parameters.number(key, -kHuge, kHuge);
+  for (const std::string& key : parameters.keys())
+    scene.parameters[key] = parameters.number(key, -kHuge, kHuge);
   scene.unit_mm = table.number("unit_mm", 1.0, 1e-9, 1e9);
   scene.normals = table.one_of("normals", "automatic", {"automatic", "file", "angle-weighted"});
   scene.loop_subdivisions = table.whole("loop_subdivisions", 0, 0, 6);
@@ -41,7 +42,8 @@ SceneSpec read_scene(TomlTable table) {
   scene.obtain = table.text("obtain", "");
   if (scene.mesh.starts_with("builtin:")) {
     for (const char* key : {"unit_mm", "normals", "loop_subdivisions", "flip_v"}) {
-      if (table.has(key)) table.fail(key, fmt::format("'scene.{}' is for mesh files; a built-in scene has none", key));
+      if (table.has(key))
+        table.fail(key, fmt::format("'scene.{}' is for mesh files; a built-in scene has none", key));
     }
   } else if (!scene.parameters.empty()) {
     table.fail("parameters", "'scene.parameters' is for built-in scenes; a mesh file has none");
@@ -119,11 +121,11 @@ ProfileSpec read_profile(TomlTable table) {
     profile.gaussians.push_back(gaussian);
   }
   if (profile.gaussians.empty()) table.fail("gaussian", "a profile needs at least one [[profile.gaussian]]");
-  std::stable_sort(profile.gaussians.begin(), profile.gaussians.end(), [](const auto& a, const auto& b) {
-    return a.variance_mm2.x() < b.variance_mm2.x();
-  });
+  std::stable_sort(profile.gaussians.begin(), profile.gaussians.end(),
+                   [](const auto& a, const auto& b) { return a.variance_mm2.x() < b.variance_mm2.x(); });
   double widest_mm2 = 0.0;
-  for (const auto& gaussian : profile.gaussians) widest_mm2 = std::max(widest_mm2, gaussian.variance_mm2.maxCoeff());
+  for (const auto& gaussian : profile.gaussians)
+    widest_mm2 = std::max(widest_mm2, gaussian.variance_mm2.maxCoeff());
   profile.r_max_mm = table.number("r_max_mm", 3.0 * std::sqrt(widest_mm2), 1e-6, 1e6);
   table.finish();
   return profile;
@@ -172,7 +174,8 @@ ThresholdSpec read_threshold(TomlTable table) {
   ThresholdSpec threshold;
   threshold.where = table.where();
   threshold.method = table.text("method");
-  threshold.metric = table.one_of("metric", "rmse", {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max"});
+  threshold.metric =
+      table.one_of("metric", "rmse", {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max"});
   threshold.maximum = table.number("maximum", 0.0, kHuge);
   table.finish();
   return threshold;
@@ -214,7 +217,8 @@ void apply_override(toml::value& root, const std::string& text) {
     const std::string& key = path[i];
     if (at->is_array()) {
       auto& entries = at->as_array();
-      const bool index = !key.empty() && std::all_of(key.begin(), key.end(), [](char c) { return c >= '0' && c <= '9'; });
+      const bool index =
+          !key.empty() && std::all_of(key.begin(), key.end(), [](char c) { return c >= '0' && c <= '9'; });
       toml::value* found = nullptr;
       if (index && key.size() < 9 && std::stoul(key) < entries.size()) found = &entries[std::stoul(key)];
       for (toml::value& entry : entries) {
@@ -223,7 +227,8 @@ void apply_override(toml::value& root, const std::string& text) {
           found = &entry;
         }
       }
-      if (found == nullptr) throw_input_error(where, "'{}' names no entry of this array ({} entries)", key, entries.size());
+      if (found == nullptr)
+        throw_input_error(where, "'{}' names no entry of this array ({} entries)", key, entries.size());
       at = found;
     } else {
       if (!at->is_table()) throw_input_error(where, "'{}' is below a value that is not a table", key);
@@ -259,14 +264,17 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   if (!root.has("scene")) root.fail("scene", "'scene' is missing: an experiment needs a [scene]");
   spec.scene = read_scene(root.table("scene"));
   for (const TomlTable& table : root.tables("light")) spec.lights.push_back(read_light(table));
-  if (spec.lights.empty()) root.fail("light", "'light' is missing: an experiment needs at least one [[light]]");
+  if (spec.lights.empty())
+    root.fail("light", "'light' is missing: an experiment needs at least one [[light]]");
   spec.shading = read_shading(root.table("shading"));
   for (const TomlTable& table : root.tables("view")) spec.views.push_back(read_view(table));
   if (spec.views.empty()) root.fail("view", "'view' is missing: an experiment needs at least one [[view]]");
   for (const TomlTable& table : root.tables("profile")) spec.profiles.push_back(read_profile(table));
-  if (spec.profiles.empty()) root.fail("profile", "'profile' is missing: an experiment needs at least one [[profile]]");
+  if (spec.profiles.empty())
+    root.fail("profile", "'profile' is missing: an experiment needs at least one [[profile]]");
   for (const TomlTable& table : root.tables("method")) spec.methods.push_back(read_method(table));
-  if (spec.methods.empty()) root.fail("method", "'method' is missing: an experiment needs at least one [[method]]");
+  if (spec.methods.empty())
+    root.fail("method", "'method' is missing: an experiment needs at least one [[method]]");
   spec.truth = read_truth(root.table("truth"));
   spec.timing = read_timing(root.table("timing"));
   for (const TomlTable& table : root.tables("threshold")) spec.thresholds.push_back(read_threshold(table));
@@ -333,7 +341,8 @@ std::string scene_toml(const ExperimentSpec& spec) {
   const auto portable = [&](const std::string& path) {
     const bool keep = path.empty() || path.starts_with("builtin:") || path.find("${") != std::string::npos ||
                       std::filesystem::path(path).is_absolute();
-    return keep ? path : std::filesystem::absolute(spec.file.parent_path() / path).lexically_normal().string();
+    return keep ? path
+                : std::filesystem::absolute(spec.file.parent_path() / path).lexically_normal().string();
   };
   std::string text = "\n[scene]\n" + line("mesh", portable(scene.mesh));
   if (!scene.mesh.starts_with("builtin:")) {
@@ -392,7 +401,8 @@ std::string to_toml(const ExperimentSpec& spec) {
           line("source", spec.source);
   text += scene_toml(spec);
   for (const LightSpec& light : spec.lights) text += light_toml(light);
-  text += "\n[shading]\n" + line("tolerance", spec.shading.tolerance) + line("floor_mm", spec.shading.floor_mm);
+  text +=
+      "\n[shading]\n" + line("tolerance", spec.shading.tolerance) + line("floor_mm", spec.shading.floor_mm);
   for (const ViewSpec& view : spec.views) text += view_toml(view);
   for (const ProfileSpec& profile : spec.profiles) text += profile_toml(profile);
   for (const MethodSpec& method : spec.methods) text += method_toml(method);

@@ -42,9 +42,10 @@ void fail_at(const toml::value& value, const std::string& message) {
   if (where.line > 0) {
     const toml::source_location location = value.location();
     const std::string number = fmt::format("{}", where.line);
-    text += fmt::format("\n {} | {}\n {} | {}{}", number, location.line_str(), std::string(number.size(), ' '),
-                        std::string(static_cast<std::size_t>(std::max(0, where.column - 1)), ' '),
-                        "^" + std::string(std::max<std::size_t>(1, location.region()) - 1, '~'));
+    text +=
+        fmt::format("\n {} | {}\n {} | {}{}", number, location.line_str(), std::string(number.size(), ' '),
+                    std::string(static_cast<std::size_t>(std::max(0, where.column - 1)), ' '),
+                    "^" + std::string(std::max<std::size_t>(1, location.region()) - 1, '~'));
   }
   throw Error(ErrorKind::input, where, text);
 }
@@ -66,7 +67,9 @@ SourceLocation TomlTable::where(const std::string& key) const {
   return at != table.end() ? location_of(at->second) : location_of(*value_);
 }
 
-std::string TomlTable::full_name(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+std::string TomlTable::full_name(const std::string& key) const {
+  return path_.empty() ? key : path_ + "." + key;
+}
 
 const toml::value* TomlTable::find(const std::string& key) {
   known_.insert(key);
@@ -102,7 +105,8 @@ std::string TomlTable::one_of(const std::string& key, const std::string& fallbac
                               const std::vector<std::string>& allowed) {
   const std::string word = text(key, fallback);
   if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) {
-    fail(key, fmt::format("'{}' is \"{}\"; it must be one of: {}", full_name(key), word, fmt::join(allowed, ", ")));
+    fail(key, fmt::format("'{}' is \"{}\"; it must be one of: {}", full_name(key), word,
+                          fmt::join(allowed, ", ")));
   }
   return word;
 }
@@ -112,7 +116,8 @@ double TomlTable::number(const std::string& key, double minimum, double maximum)
   if (value == nullptr) fail_missing(key);
   const double number = as_number(*value, full_name(key));
   if (!(number >= minimum && number <= maximum)) {
-    fail_at(*value, fmt::format("'{}' is {}; it must lie in [{}, {}]", full_name(key), number, minimum, maximum));
+    fail_at(*value,
+            fmt::format("'{}' is {}; it must lie in [{}, {}]", full_name(key), number, minimum, maximum));
   }
   return number;
 }
@@ -123,7 +128,8 @@ double TomlTable::number(const std::string& key, double fallback, double minimum
 
 int TomlTable::whole(const std::string& key, int fallback, int minimum, int maximum) {
   const double value = number(key, fallback, minimum, maximum);
-  if (value != std::floor(value)) fail(key, fmt::format("'{}' is {}; it must be a whole number", full_name(key), value));
+  if (value != std::floor(value))
+    fail(key, fmt::format("'{}' is {}; it must be a whole number", full_name(key), value));
   return static_cast<int>(value);
 }
 
@@ -164,7 +170,8 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) {
   const toml::value* value = find(key);
   std::vector<TomlTable> result;
   if (value == nullptr) return result;
-  if (!value->is_array()) fail_at(*value, fmt::format("'{0}' must be an array of tables ([[{0}]])", full_name(key)));
+  if (!value->is_array())
+    fail_at(*value, fmt::format("'{0}' must be an array of tables ([[{0}]])", full_name(key)));
   for (const toml::value& entry : value->as_array()) result.emplace_back(entry, full_name(key));
   return result;
 }

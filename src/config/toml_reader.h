@@ -23,7 +23,8 @@ class TomlTable {
   // a default, a missing key is an error.
   std::string text(const std::string& key);
   std::string text(const std::string& key, const std::string& fallback);
-  std::string one_of(const std::string& key, const std::string& fallback, const std::vector<std::string>& allowed);
+  std::string one_of(const std::string& key, const std::string& fallback,
+                     const std::vector<std::string>& allowed);
   double number(const std::string& key, double fallback, double minimum, double maximum);
   double number(const std::string& key, double minimum, double maximum);
   int whole(const std::string& key, int fallback, int minimum, int maximum);
@@ -33,7 +34,7 @@ class TomlTable {
   // A number for all three channels, or three.
   Vec3d rgb(const std::string& key);
   Vec3d rgb(const std::string& key, const Vec3d& fallback);
-  TomlTable table(const std::string& key);               // empty if missing
+  TomlTable table(const std::string& key);                // empty if missing
   std::vector<TomlTable> tables(const std::string& key);  // empty if missing
   const toml::value& raw(const std::string& key);
   std::vector<std::string> keys() const;

@@ -48,7 +48,8 @@ class Error : public std::runtime_error {
 };
 
 template <typename... Args>
-[[noreturn]] void throw_input_error(SourceLocation where, fmt::format_string<Args...> format, Args&&... args) {
+[[noreturn]] void throw_input_error(SourceLocation where, fmt::format_string<Args...> format,
+                                    Args&&... args) {
   throw Error(ErrorKind::input, std::move(where), fmt::format(format, std::forward<Args>(args)...));
 }
 

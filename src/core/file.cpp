@@ -11,7 +11,8 @@
 namespace truescatter {
 
 std::filesystem::path temporary_sibling(const std::filesystem::path& path) {
-  return path.parent_path() / fmt::format(".{}.{}.part{}", path.stem().string(), getpid(), path.extension().string());
+  return path.parent_path() /
+         fmt::format(".{}.{}.part{}", path.stem().string(), getpid(), path.extension().string());
 }
 
 void commit_temporary(const std::filesystem::path& temporary, const std::filesystem::path& path) {
@@ -40,7 +41,8 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
 
 std::string read_text_file(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) throw_input_error({path.string()}, "no such file");
-  if (std::filesystem::is_directory(path)) throw_input_error({path.string()}, "is a folder; a file is needed");
+  if (std::filesystem::is_directory(path))
+    throw_input_error({path.string()}, "is a folder; a file is needed");
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();

@@ -9,7 +9,8 @@ Image::Image(int width, int height, int channels, float value)
     : width_(width),
       height_(height),
       channels_(channels),
-      data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(channels),
+      data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                static_cast<std::size_t>(channels),
             value) {
   assert(width >= 0 && height >= 0 && channels >= 0);
 }

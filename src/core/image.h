@@ -20,7 +20,9 @@ class Image {
   int height() const { return height_; }
   int channels() const { return channels_; }
   bool empty() const { return data_.empty(); }
-  std::size_t pixel_count() const { return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_); }
+  std::size_t pixel_count() const {
+    return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  }
 
   float& at(int x, int y, int c) { return data_[index(x, y, c)]; }
   float at(int x, int y, int c) const { return data_[index(x, y, c)]; }

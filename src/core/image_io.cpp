@@ -62,8 +62,9 @@ void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& l
     const auto count = static_cast<std::size_t>(layer.image->channels());
     const std::span<const float> data = layer.image->data();
     for (std::size_t p = 0; p < layer.image->pixel_count(); ++p) {
-      std::copy_n(data.begin() + static_cast<std::ptrdiff_t>(p * count), count,
-                  pixels.begin() + static_cast<std::ptrdiff_t>(p * static_cast<std::size_t>(channels) + offset));
+      std::copy_n(
+          data.begin() + static_cast<std::ptrdiff_t>(p * count), count,
+          pixels.begin() + static_cast<std::ptrdiff_t>(p * static_cast<std::size_t>(channels) + offset));
     }
     offset += count;
   }
@@ -109,7 +110,8 @@ Image read_exr_layer(const std::filesystem::path& path, const std::string& layer
     if (inside) chosen.push_back(static_cast<int>(c));
   }
   if (chosen.empty()) {
-    throw_input_error({path.string()}, "no layer '{}'; the file's channels are {}", layer, fmt::join(names, ", "));
+    throw_input_error({path.string()}, "no layer '{}'; the file's channels are {}", layer,
+                      fmt::join(names, ", "));
   }
   Image image(all.width(), all.height(), static_cast<int>(chosen.size()));
   for (int y = 0; y < all.height(); ++y) {

@@ -17,7 +17,9 @@ Progress::Progress(std::string name, std::size_t total)
   if (!terminal_) fmt::print(stderr, "{} ...\n", name_);
 }
 
-Progress::~Progress() { fmt::print(stderr, "{}{}: {:.1f} s\n", terminal_ ? "\r\x1b[K" : "", name_, elapsed_seconds()); }
+Progress::~Progress() {
+  fmt::print(stderr, "{}{}: {:.1f} s\n", terminal_ ? "\r\x1b[K" : "", name_, elapsed_seconds());
+}
 
 double Progress::elapsed_seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

@@ -43,7 +43,8 @@ json halo_json(const Halo& halo, bool with_profile) {
 
 json all_halos_json(const Image& test, const MetricInputs& in, Quantity quantity) {
   const auto measure = [&](HaloSide side) {
-    return halo_json(measure_halo(test, in.truth, in.mask, in.contours, in.widest_std_dev_mm, in.mm_per_px, quantity, side),
+    return halo_json(measure_halo(test, in.truth, in.mask, in.contours, in.widest_std_dev_mm, in.mm_per_px,
+                                  quantity, side),
                      true);
   };
   json halo = measure(HaloSide::all);
@@ -73,7 +74,8 @@ json error_stats_json(const Image& test, const Image& truth, const Image& mask) 
   json metrics;
   put_error_stats(metrics, error_stats(test, truth, mask, Quantity::luminance));
   for (const Quantity quantity : {Quantity::red, Quantity::green, Quantity::blue}) {
-    put_error_stats(metrics["channels"][std::string(name_of(quantity))], error_stats(test, truth, mask, quantity));
+    put_error_stats(metrics["channels"][std::string(name_of(quantity))],
+                    error_stats(test, truth, mask, quantity));
   }
   return metrics;
 }

@@ -9,7 +9,8 @@
 
 namespace truescatter {
 
-// Sets object[key], or null and object[key + "_reason"] where the value is not finite: NaN never reaches a JSON.
+// Sets object[key], or null and object[key + "_reason"] where the value is not finite: NaN never reaches a
+// JSON.
 void put_number(nlohmann::json& object, const std::string& key, double value, const std::string& reason);
 
 // What a picture is measured against.

@@ -6,7 +6,8 @@
 
 namespace truescatter {
 
-// Where a result comes from: version, commit (and whether it had changes), compiler, OpenGL renderer, machine.
+// Where a result comes from: version, commit (and whether it had changes), compiler, OpenGL renderer,
+// machine.
 nlohmann::json provenance(const gpu::Context& context);
 
 }  // namespace truescatter

@@ -28,29 +28,30 @@ json at_pointer(const json& object, const char* pointer) {
 }  // namespace
 
 std::string results_csv(const json& results) {
-  static constexpr std::array<std::array<const char*, 2>, 23> kColumns = {{{"view", "/view"},
-                                                                           {"profile", "/profile"},
-                                                                           {"method", "/method"},
-                                                                           {"label", "/label"},
-                                                                           {"skipped", "/skipped"},
-                                                                           {"bias", "/metrics/bias"},
-                                                                           {"mae", "/metrics/mae"},
-                                                                           {"rmse", "/metrics/rmse"},
-                                                                           {"rel_rmse", "/metrics/rel_rmse"},
-                                                                           {"p50", "/metrics/p50"},
-                                                                           {"p95", "/metrics/p95"},
-                                                                           {"p99", "/metrics/p99"},
-                                                                           {"max", "/metrics/max"},
-                                                                           {"flip", "/metrics/flip"},
-                                                                           {"halo_peak", "/metrics/halo/peak"},
-                                                                           {"halo_width_mm", "/metrics/halo/width_mm"},
-                                                                           {"halo_energy", "/metrics/halo/energy"},
-                                                                           {"halo_contrast", "/metrics/halo/contrast"},
-                                                                           {"own_rmse", "/own_target/metrics/rmse"},
-                                                                           {"frame_ms", "/cost/frame_ms/median"},
-                                                                           {"passes", "/cost/passes"},
-                                                                           {"fetches_per_pixel", "/cost/fetches_per_pixel"},
-                                                                           {"bytes_per_pixel", "/cost/bytes_per_pixel"}}};
+  static constexpr std::array<std::array<const char*, 2>, 23> kColumns = {
+      {{"view", "/view"},
+       {"profile", "/profile"},
+       {"method", "/method"},
+       {"label", "/label"},
+       {"skipped", "/skipped"},
+       {"bias", "/metrics/bias"},
+       {"mae", "/metrics/mae"},
+       {"rmse", "/metrics/rmse"},
+       {"rel_rmse", "/metrics/rel_rmse"},
+       {"p50", "/metrics/p50"},
+       {"p95", "/metrics/p95"},
+       {"p99", "/metrics/p99"},
+       {"max", "/metrics/max"},
+       {"flip", "/metrics/flip"},
+       {"halo_peak", "/metrics/halo/peak"},
+       {"halo_width_mm", "/metrics/halo/width_mm"},
+       {"halo_energy", "/metrics/halo/energy"},
+       {"halo_contrast", "/metrics/halo/contrast"},
+       {"own_rmse", "/own_target/metrics/rmse"},
+       {"frame_ms", "/cost/frame_ms/median"},
+       {"passes", "/cost/passes"},
+       {"fetches_per_pixel", "/cost/fetches_per_pixel"},
+       {"bytes_per_pixel", "/cost/bytes_per_pixel"}}};
   std::string text;
   for (const auto& column : kColumns) text += fmt::format("{}{}", text.empty() ? "" : ",", column[0]);
   text += "\n";
@@ -63,16 +64,18 @@ std::string results_csv(const json& results) {
   return text;
 }
 
-std::vector<std::string> exceeded_thresholds(const json& results, const std::vector<ThresholdSpec>& thresholds) {
+std::vector<std::string> exceeded_thresholds(const json& results,
+                                             const std::vector<ThresholdSpec>& thresholds) {
   std::vector<std::string> lines;
   for (const ThresholdSpec& threshold : thresholds) {
     for (const json& run : results.at("runs")) {
       if (run.at("label") != threshold.method || run.contains("skipped")) continue;
       const json& value = run.at("metrics").at(threshold.metric);
       if (value.is_number() && std::abs(value.get<double>()) <= threshold.maximum) continue;
-      lines.push_back(fmt::format("{}: {} of {} in view {} with {} is {}; the bound is {}", threshold.where.str(),
-                                  threshold.metric, threshold.method, run.at("view").get<std::string>(),
-                                  run.at("profile").get<std::string>(), value.dump(), threshold.maximum));
+      lines.push_back(fmt::format("{}: {} of {} in view {} with {} is {}; the bound is {}",
+                                  threshold.where.str(), threshold.metric, threshold.method,
+                                  run.at("view").get<std::string>(), run.at("profile").get<std::string>(),
+                                  value.dump(), threshold.maximum));
     }
   }
   return lines;

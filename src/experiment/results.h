@@ -16,6 +16,7 @@ inline constexpr const char* kResultsSchema = "truescatter-results-1";
 std::string results_csv(const nlohmann::json& results);
 
 // A line for every run of `results` that exceeds one of the thresholds (of |metric|).
-std::vector<std::string> exceeded_thresholds(const nlohmann::json& results, const std::vector<ThresholdSpec>& thresholds);
+std::vector<std::string> exceeded_thresholds(const nlohmann::json& results,
+                                             const std::vector<ThresholdSpec>& thresholds);
 
 }  // namespace truescatter

@@ -44,8 +44,8 @@ struct PendingTruth {
 struct PendingView {
   std::string name;
   Image irradiance;
-  Image mask;       // skin
-  Image measured;   // skin with mass enough to be measured
+  Image mask;      // skin
+  Image measured;  // skin with mass enough to be measured
   std::list<PendingTruth> truths;
   std::list<PendingRun> runs;
 };
@@ -139,10 +139,12 @@ struct Measured {
 };
 
 std::size_t skin_pixels(const Image& mask) {
-  return static_cast<std::size_t>(std::count_if(mask.data().begin(), mask.data().end(), [](float v) { return v > 0.0F; }));
+  return static_cast<std::size_t>(
+      std::count_if(mask.data().begin(), mask.data().end(), [](float v) { return v > 0.0F; }));
 }
 
-Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Method& method, std::size_t pixels) {
+Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Method& method,
+                       std::size_t pixels) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const PreparedMethod prepared = method.prepare(inputs);
@@ -157,7 +159,10 @@ Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Met
   measured.exitance = gpu::read_texture(setup.context, *prepared.output, 3);
   const double per_pixel = pixels > 0 ? 1.0 / static_cast<double>(pixels) : 0.0;
   measured.cost = {{"frame_ms",
-                    {{"median", times.median_ms}, {"min", times.min_ms}, {"max", times.max_ms}, {"repeats", times.repeats}}},
+                    {{"median", times.median_ms},
+                     {"min", times.min_ms},
+                     {"max", times.max_ms},
+                     {"repeats", times.repeats}}},
                    {"setup_ms", setup_ms},
                    {"passes", counts.passes},
                    {"fetches_per_pixel", counts.texels_read * per_pixel},
@@ -172,8 +177,8 @@ std::string truth_id(const std::string& view, const Profile& profile, const OwnT
   return id;
 }
 
-json truth_json(const std::string& view, const Profile& profile, const OwnTarget& target, const TruthImage& truth,
-                std::size_t points) {
+json truth_json(const std::string& view, const Profile& profile, const OwnTarget& target,
+                const TruthImage& truth, std::size_t points) {
   json object = target_json(target);
   object["id"] = truth_id(view, profile, target);
   object["view"] = view;
@@ -204,7 +209,8 @@ class ViewRunner {
         images_(read_frame(setup.context, frame_)),
         median_depth_mm_(median_skin_depth_mm(images_)),
         truth_(setup.scene, setup.skin, images_),
-        contours_(find_contours({images_.mask, images_.position, images_.face_normal, frame_.camera.focal_px()})) {
+        contours_(
+            find_contours({images_.mask, images_.position, images_.face_normal, frame_.camera.focal_px()})) {
     pending_.name = view.name;
     pending_.irradiance = images_.irradiance;
     pending_.mask = images_.mask;
@@ -219,7 +225,8 @@ class ViewRunner {
                                  {"median_skin_depth_mm", median_depth_mm_},
                                  {"mm_per_px", mm_per_px()},
                                  {"files", {{"irradiance", "maps/" + name_ + ".irradiance.png"}}}});
-    if (truth_.point_count() == 0) throw_input_error({setup_.spec.file.string()}, "view '{}' sees no skin", name_);
+    if (truth_.point_count() == 0)
+      throw_input_error({setup_.spec.file.string()}, "view '{}' sees no skin", name_);
     compute_truths();
     Progress progress(fmt::format("view {}: methods", name_),
                       setup_.plan.profiles.size() * setup_.plan.methods.size());
@@ -273,21 +280,27 @@ class ViewRunner {
   void measure_method(const Profile& profile, const PlannedMethod& planned, const TruthImage& headline,
                       const Image& mask) {
     const Method& method = *planned.method;
-    json run = {{"scene", setup_.spec.scene.mesh}, {"view", name_},
-                {"method", method.name},           {"label", planned.label},
-                {"title", method.title},           {"source", method.source},
-                {"profile", profile.name},         {"settings", settings_json(planned.settings)},
+    json run = {{"scene", setup_.spec.scene.mesh},
+                {"view", name_},
+                {"method", method.name},
+                {"label", planned.label},
+                {"title", method.title},
+                {"source", method.source},
+                {"profile", profile.name},
+                {"settings", settings_json(planned.settings)},
                 {"truth", truth_id(name_, profile, OwnTarget{})}};
     if (method.needs_uvs && !setup_.surface.has_uvs()) {
       run["skipped"] = "this method needs UVs, and the mesh has none";
       results_["runs"].push_back(run);
       return;
     }
-    const MethodInputs inputs{setup_.context, frame_, setup_.surface, median_depth_mm_, profile, planned.settings};
+    const MethodInputs inputs{setup_.context,   frame_,  setup_.surface,
+                              median_depth_mm_, profile, planned.settings};
     Measured measured = draw_and_time(setup_, inputs, method, truth_.point_count());
     run["cost"] = measured.cost;
-    run["metrics"] = metrics_json(measured.exitance, {headline.rgb, mask, contours_, profile.widest_std_dev_mm(),
-                                                      mm_per_px(), setup_.exposure()});
+    run["metrics"] = metrics_json(
+        measured.exitance,
+        {headline.rgb, mask, contours_, profile.widest_std_dev_mm(), mm_per_px(), setup_.exposure()});
     // Below the truth's uncertainty nothing can be told from the truth.
     const double uncertainty = headline.certificate.uncertainty() * setup_.scene.largest_irradiance;
     run["distinguishable"] = run["metrics"]["rmse"].get<double>() > uncertainty;
@@ -302,8 +315,8 @@ class ViewRunner {
     results_["runs"].push_back(run);
   }
 
-  void add_own_target(json& run, const Profile& profile, const PlannedMethod& planned, const TruthImage& headline,
-                      const Image& exitance, const Image& mask) {
+  void add_own_target(json& run, const Profile& profile, const PlannedMethod& planned,
+                      const TruthImage& headline, const Image& exitance, const Image& mask) {
     const OwnTarget target = planned.method->own_target(profile, planned.settings);
     json own = target_json(target);
     const std::string id = truth_id(name_, profile, target);
@@ -318,8 +331,10 @@ class ViewRunner {
       const TruthImage truth = truth_.image({&profile, target});
       own["metrics"] = error_stats_json(exitance, truth.rgb, mask);
       const json& truths = results_["truths"];
-      const bool known = std::any_of(truths.begin(), truths.end(), [&](const json& t) { return t["id"] == id; });
-      if (!known) results_["truths"].push_back(truth_json(name_, profile, target, truth, truth_.point_count()));
+      const bool known =
+          std::any_of(truths.begin(), truths.end(), [&](const json& t) { return t["id"] == id; });
+      if (!known)
+        results_["truths"].push_back(truth_json(name_, profile, target, truth, truth_.point_count()));
     }
     run["own_target"] = own;
   }
@@ -335,8 +350,8 @@ class ViewRunner {
   PendingView pending_;
 };
 
-// One fixed range for every error map of the experiment: the median over the runs of the 99 % quantile, rounded
-// up. The worst method's maps saturate; scaled to the worst, the good ones would be black.
+// One fixed range for every error map of the experiment: the median over the runs of the 99 % quantile,
+// rounded up. The worst method's maps saturate; scaled to the worst, the good ones would be black.
 double common_range(const json& results) {
   std::vector<double> quantiles;
   for (const json& run : results["runs"]) {
@@ -355,8 +370,9 @@ void write_view(const PendingView& view, const std::filesystem::path& maps, doub
   write_png(maps / (view.name + ".irradiance.png"), display_picture(view.irradiance, exposure));
   for (const PendingTruth& truth : view.truths) {
     write_png(maps / (truth.stem + ".png"), display_picture(truth.rgb, exposure));
-    write_exr(maps / (truth.stem + ".exr"),
-              {{"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &view.irradiance}, {"mask", &view.mask}});
+    write_exr(
+        maps / (truth.stem + ".exr"),
+        {{"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &view.irradiance}, {"mask", &view.mask}});
     progress.advance();
   }
   for (const PendingRun& run : view.runs) {

@@ -94,9 +94,10 @@ Surface skin_surface(const ShadingMesh& shading) {
   Surface surface;
   for (const ShadingTriangle& triangle : shading.triangles) {
     if (!triangle.skin) continue;
-    surface.triangles.push_back({{shading.corner(triangle, 0), shading.corner(triangle, 1), shading.corner(triangle, 2)},
-                                 triangle.irradiance,
-                                 triangle.component});
+    surface.triangles.push_back(
+        {{shading.corner(triangle, 0), shading.corner(triangle, 1), shading.corner(triangle, 2)},
+         triangle.irradiance,
+         triangle.component});
   }
   return surface;
 }

@@ -26,8 +26,9 @@ void append_largest(const std::vector<double>& score, std::size_t count, std::ve
   std::vector<std::uint32_t> order(score.size());
   std::iota(order.begin(), order.end(), 0U);
   count = std::min(count, order.size());
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
-                    [&](std::uint32_t a, std::uint32_t b) { return score[a] != score[b] ? score[a] > score[b] : a < b; });
+  std::partial_sort(
+      order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
+      [&](std::uint32_t a, std::uint32_t b) { return score[a] != score[b] ? score[a] > score[b] : a < b; });
   out.insert(out.end(), order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
@@ -59,14 +60,16 @@ ViewTruth::ViewTruth(const PreparedScene& scene, const Surface& surface, const F
 TruthLayer ViewTruth::layer_of(double variance_mm2, const OwnTarget& target) const {
   TruthLayer layer{std::sqrt(variance_mm2)};
   // A cut that removes less than a hundredth of the tolerance is no cut: the layer is shared.
-  if (target.r_max_mm && std::exp(-0.5 * *target.r_max_mm * *target.r_max_mm / variance_mm2) > 0.01 * tolerance_) {
+  if (target.r_max_mm &&
+      std::exp(-0.5 * *target.r_max_mm * *target.r_max_mm / variance_mm2) > 0.01 * tolerance_) {
     layer.r_max_mm = *target.r_max_mm;
   }
   return layer;
 }
 
 const ViewTruth::LayerResult& ViewTruth::result_of(const TruthLayer& layer) const {
-  const auto found = std::find_if(layers_.begin(), layers_.end(), [&](const LayerResult& r) { return r.layer == layer; });
+  const auto found =
+      std::find_if(layers_.begin(), layers_.end(), [&](const LayerResult& r) { return r.layer == layer; });
   assert(found != layers_.end());
   return *found;
 }
@@ -86,13 +89,15 @@ std::vector<std::uint32_t> ViewTruth::audited_points(const TruthSpec& spec) cons
     const auto [x, y] = pixels_[i];
     const Vec3d normal = images_.face_normal.rgb(x, y);
     for (const auto& [nx, ny] : {Pixel{x + 1, y}, Pixel{x, y + 1}}) {
-      if (nx >= images_.mask.width() || ny >= images_.mask.height() || images_.mask.at(nx, ny, 0) == 0.0F) continue;
+      if (nx >= images_.mask.width() || ny >= images_.mask.height() || images_.mask.at(nx, ny, 0) == 0.0F)
+        continue;
       crease[i] = std::max(crease[i], 1.0 - normal.dot(images_.face_normal.rgb(nx, ny)));
     }
   }
   std::vector<double> mass(points_.size(), 0.0);
   for (const LayerResult& layer : layers_) {
-    for (std::size_t i = 0; i < points_.size(); ++i) mass[i] = std::max(mass[i], std::abs(1.0 - layer.values[i][3]));
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      mass[i] = std::max(mass[i], std::abs(1.0 - layer.values[i][3]));
   }
   const std::size_t each = (wanted / 2 + 2) / 3;
   append_largest(contrast_, each, chosen);
@@ -101,7 +106,8 @@ std::vector<std::uint32_t> ViewTruth::audited_points(const TruthSpec& spec) cons
   return chosen;
 }
 
-void ViewTruth::compute(const std::vector<Request>& requests, const TruthSpec& spec, const FastEngine& engine) {
+void ViewTruth::compute(const std::vector<Request>& requests, const TruthSpec& spec,
+                        const FastEngine& engine) {
   tolerance_ = spec.tolerance;
   std::vector<TruthLayer> wanted;
   for (const Request& request : requests) {
@@ -121,7 +127,8 @@ void ViewTruth::compute(const std::vector<Request>& requests, const TruthSpec& s
   }
   if (points_.empty()) return;
   const std::vector<std::uint32_t> audited = audited_points(spec);
-  const std::size_t random_count = (std::min(static_cast<std::size_t>(spec.audit_points), points_.size()) + 1) / 2;
+  const std::size_t random_count =
+      (std::min(static_cast<std::size_t>(spec.audit_points), points_.size()) + 1) / 2;
   for (LayerResult& result : layers_) {
     const TruthValues values = {result.values};
     result.certificate = audit(surface_, points_, std::span(&result.layer, 1), values, spec.tolerance,
@@ -142,7 +149,8 @@ TruthImage ViewTruth::image(const Request& request) const {
   truth.smallest_mass = Image(images_.mask.width(), images_.mask.height(), 1);
   std::vector<Vec3d> sum(points_.size());
   std::vector<double> mass(points_.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < points_.size(); ++i) sum[i] = request.profile->delta_weight.cwiseProduct(irradiance_[i]);
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    sum[i] = request.profile->delta_weight.cwiseProduct(irradiance_[i]);
   for (const GaussianLevel& level : gaussian_levels(*request.profile)) {
     const LayerResult& result = result_of(layer_of(level.variance_mm2, request.target));
     for (std::size_t i = 0; i < points_.size(); ++i) {

@@ -15,8 +15,8 @@ namespace truescatter {
 
 // What a truth aims at: the headline (Euclidean, normalised, not cut), or a method's own target.
 struct TruthImage {
-  Image rgb;               // 0 off the skin
-  Image smallest_mass;     // one channel: the smallest mass of a Gaussian with weight; 0 off the skin
+  Image rgb;                // 0 off the skin
+  Image smallest_mass;      // one channel: the smallest mass of a Gaussian with weight; 0 off the skin
   Certificate certificate;  // over the layers that it is made of
   double seconds = 0.0;
 };
@@ -58,8 +58,8 @@ class ViewTruth {
   double tolerance_ = 0.0;
   std::vector<Pixel> pixels_;
   std::vector<SurfacePoint> points_;
-  std::vector<Vec3d> irradiance_;      // at the points
-  std::vector<double> contrast_;       // of irradiance, over the point's shading triangle
+  std::vector<Vec3d> irradiance_;  // at the points
+  std::vector<double> contrast_;   // of irradiance, over the point's shading triangle
   std::vector<LayerResult> layers_;
 };
 

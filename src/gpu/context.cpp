@@ -52,7 +52,8 @@ Context::Context() : handle_(std::make_unique<Handle>()) {
                                                      0};
   handle_->context = OSMesaCreateContextAttribs(kAttributes.data(), nullptr);
   if (handle_->context == nullptr) throw_run_error("OSMesa: cannot create an OpenGL 4.5 core context");
-  if (OSMesaMakeCurrent(handle_->context, handle_->default_framebuffer.data(), GL_UNSIGNED_BYTE, 16, 16) != GL_TRUE) {
+  if (OSMesaMakeCurrent(handle_->context, handle_->default_framebuffer.data(), GL_UNSIGNED_BYTE, 16, 16) !=
+      GL_TRUE) {
     throw_run_error("OSMesa: cannot make the context current");
   }
 #define TRUESCATTER_LOAD(Type, Name) load(gl_.Name, "gl" #Name);

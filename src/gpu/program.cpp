@@ -17,7 +17,8 @@ class Shader {
     // "#line 1 k" makes the compiler's messages say piece k, line within the piece.
     std::string source = "#version 450 core\n";
     for (const std::string& define : defines) source += "#define " + define + "\n";
-    for (std::size_t k = 0; k < pieces.size(); ++k) source += fmt::format("#line 1 {}\n{}\n", k, pieces[k].text);
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+      source += fmt::format("#line 1 {}\n{}\n", k, pieces[k].text);
     const char* text = source.c_str();
     context.gl().ShaderSource(id_, 1, &text, nullptr);
     context.gl().CompileShader(id_);

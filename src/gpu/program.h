@@ -24,8 +24,8 @@ struct ShaderText {
 class Program {
  public:
   Program() = default;
-  Program(const Context& context, const std::vector<ShaderText>& vertex, const std::vector<ShaderText>& fragment,
-          const std::vector<std::string>& defines = {});
+  Program(const Context& context, const std::vector<ShaderText>& vertex,
+          const std::vector<ShaderText>& fragment, const std::vector<std::string>& defines = {});
   ~Program();
   Program(Program&& other) noexcept;
   Program& operator=(Program&& other) noexcept;

@@ -70,12 +70,14 @@ Texture& Texture::operator=(Texture&& other) noexcept {
 
 void Texture::upload(const Image& image) {
   const FormatInfo f = info(format_);
-  assert(f.type == GL_FLOAT && image.width() == width_ && image.height() == height_ && image.channels() == f.channels);
+  assert(f.type == GL_FLOAT && image.width() == width_ && image.height() == height_ &&
+         image.channels() == f.channels);
   std::vector<float> rows(image.data().size());
   const std::size_t row = static_cast<std::size_t>(width_) * static_cast<std::size_t>(f.channels);
   for (std::size_t y = 0; y < static_cast<std::size_t>(height_); ++y) {
-    std::copy_n(image.data().begin() + static_cast<std::ptrdiff_t>(y * row), row,
-                rows.begin() + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(height_) - 1 - y) * row));
+    std::copy_n(
+        image.data().begin() + static_cast<std::ptrdiff_t>(y * row), row,
+        rows.begin() + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(height_) - 1 - y) * row));
   }
   const GlFunctions& gl = context_->gl();
   gl.BindTexture(GL_TEXTURE_2D, id_);

@@ -16,7 +16,8 @@ FrameTimes time_frames(const Context& context, const std::function<void()>& work
     const auto start = std::chrono::steady_clock::now();
     work();
     context.finish();
-    times_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    times_ms.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   }
   std::sort(times_ms.begin(), times_ms.end());
   const std::size_t n = times_ms.size();

@@ -16,7 +16,7 @@ enum class LightKind { directional, point };
 // light `color` at the distance `reference_mm`, falling with the square of the distance.
 struct Light {
   LightKind kind = LightKind::directional;
-  Vec3d direction = Vec3d::UnitZ();  // directional: unit vector from the surface towards the light
+  Vec3d direction = Vec3d::UnitZ();   // directional: unit vector from the surface towards the light
   Vec3d position_mm = Vec3d::Zero();  // point
   double reference_mm = 1000.0;       // point; > 0
   Vec3d color = Vec3d::Ones();

@@ -91,7 +91,8 @@ class Refiner {
     for (ShadingTriangle& triangle : shading_.triangles) {
       for (std::size_t c = 0; c < 3; ++c) {
         triangle.irradiance[c] =
-            find_sample(vertex_samples_[static_cast<std::size_t>(triangle.vertices[c])], triangle.normals[c])->irradiance;
+            find_sample(vertex_samples_[static_cast<std::size_t>(triangle.vertices[c])], triangle.normals[c])
+                ->irradiance;
       }
     }
     new_triangles_.resize(shading_.triangles.size());
@@ -99,11 +100,14 @@ class Refiner {
   }
 
   void light(const std::vector<Sample*>& samples) const {
-    parallel_for(samples.size(), [&](std::size_t i) { samples[i]->irradiance = lighting_.irradiance(samples[i]->point); });
+    parallel_for(samples.size(),
+                 [&](std::size_t i) { samples[i]->irradiance = lighting_.irradiance(samples[i]->point); });
   }
 
   double length_mm(int a, int b) const {
-    return (shading_.positions_mm[static_cast<std::size_t>(a)] - shading_.positions_mm[static_cast<std::size_t>(b)]).norm();
+    return (shading_.positions_mm[static_cast<std::size_t>(a)] -
+            shading_.positions_mm[static_cast<std::size_t>(b)])
+        .norm();
   }
 
   MeshPoint edge_middle(const ShadingTriangle& triangle, std::size_t c) const {

@@ -13,14 +13,14 @@ namespace truescatter {
 
 // One triangle of the shading mesh, a part of one triangle of the scene's mesh.
 struct ShadingTriangle {
-  std::array<int, 3> vertices{};             // into ShadingMesh::positions_mm
-  std::array<Vec3d, 3> normals;              // interpolated, unit
-  std::array<Vec3d, 3> irradiance;           // RGB: linear in between is I, by definition
-  std::array<Vec2d, 3> uvs;                  // zero where the mesh has none
-  std::size_t base = 0;                      // the triangle of the scene's mesh
-  std::array<Vec3d, 3> base_barycentric;     // of the corners, in the base triangle
+  std::array<int, 3> vertices{};          // into ShadingMesh::positions_mm
+  std::array<Vec3d, 3> normals;           // interpolated, unit
+  std::array<Vec3d, 3> irradiance;        // RGB: linear in between is I, by definition
+  std::array<Vec2d, 3> uvs;               // zero where the mesh has none
+  std::size_t base = 0;                   // the triangle of the scene's mesh
+  std::array<Vec3d, 3> base_barycentric;  // of the corners, in the base triangle
   bool skin = true;
-  int component = -1;                        // connected piece of skin; -1 for what is not skin
+  int component = -1;  // connected piece of skin; -1 for what is not skin
 };
 
 // How well the piecewise linear irradiance resolves the real lighting, in units of the largest irradiance,

@@ -32,10 +32,10 @@ ShadowScene::ShadowScene(const Mesh& mesh) : handles_(std::make_unique<Handles>(
   handles_->scene = rtcNewScene(handles_->device);
   rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               3 * sizeof(float), mesh.positions_mm.size()));
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                 3 * sizeof(unsigned), mesh.triangles.size()));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions_mm.size()));
+  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
   if (vertices == nullptr || indices == nullptr) throw_run_error("Embree: out of memory");
   for (const Vec3d& p : mesh.positions_mm) {
     for (int c = 0; c < 3; ++c) *vertices++ = static_cast<float>(p[c]);
@@ -47,7 +47,8 @@ ShadowScene::ShadowScene(const Mesh& mesh) : handles_(std::make_unique<Handles>(
   rtcAttachGeometry(handles_->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(handles_->scene);
-  if (rtcGetDeviceError(handles_->device) != RTC_ERROR_NONE) throw_run_error("Embree: cannot build the scene");
+  if (rtcGetDeviceError(handles_->device) != RTC_ERROR_NONE)
+    throw_run_error("Embree: cannot build the scene");
 }
 
 ShadowScene::~ShadowScene() = default;
@@ -65,7 +66,8 @@ bool ShadowScene::occluded(const Vec3d& origin_mm, const Vec3d& direction, doubl
   ray.dir_y = static_cast<float>(direction.y());
   ray.dir_z = static_cast<float>(direction.z());
   ray.tnear = 0.0F;
-  ray.tfar = static_cast<float>(std::min(distance_mm, static_cast<double>(std::numeric_limits<float>::max())));
+  ray.tfar =
+      static_cast<float>(std::min(distance_mm, static_cast<double>(std::numeric_limits<float>::max())));
   ray.mask = 0xFFFFFFFFU;
   rtcOccluded1(handles_->scene, &context, &ray);
   return ray.tfar < 0.0F;

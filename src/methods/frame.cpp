@@ -28,9 +28,9 @@ std::vector<CornerVertex> corner_vertices(const ShadingMesh& shading) {
     const Vec3d cross = (shading.corner(triangle, 1) - a).cross(shading.corner(triangle, 2) - a);
     const Vec3f face_normal = cross.stableNormalized().cast<float>();
     for (std::size_t c = 0; c < 3; ++c) {
-      vertices.push_back({shading.corner(triangle, c).cast<float>(), face_normal, triangle.normals[c].cast<float>(),
-                          triangle.irradiance[c].cast<float>(), triangle.uvs[c].cast<float>(),
-                          triangle.skin ? 1.0F : 0.0F});
+      vertices.push_back({shading.corner(triangle, c).cast<float>(), face_normal,
+                          triangle.normals[c].cast<float>(), triangle.irradiance[c].cast<float>(),
+                          triangle.uvs[c].cast<float>(), triangle.skin ? 1.0F : 0.0F});
     }
   }
   return vertices;
@@ -76,8 +76,8 @@ SurfaceBuffers::SurfaceBuffers(const gpu::Context& context, const ShadingMesh& s
   gl.BindVertexArray(vertex_array_);
   gl.GenBuffers(1, &buffer_);
   gl.BindBuffer(GL_ARRAY_BUFFER, buffer_);
-  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(CornerVertex)), vertices.data(),
-                GL_STATIC_DRAW);
+  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(CornerVertex)),
+                vertices.data(), GL_STATIC_DRAW);
   std::size_t offset = 0;
   unsigned attribute = 0;
   for (const int components : {3, 3, 3, 3, 2, 1}) {
@@ -105,13 +105,18 @@ Frame render_frame(const gpu::Context& context, const SurfaceBuffers& surface, c
   const int w = camera.width_px;
   const int h = camera.height_px;
   const auto float4 = [&] { return gpu::Texture(context, w, h, gpu::Format::rgba32f); };
-  Frame frame{camera, float4(), float4(), float4(), float4(), gpu::Texture(context, w, h, gpu::Format::rg32f),
+  Frame frame{camera,
+              float4(),
+              float4(),
+              float4(),
+              float4(),
+              gpu::Texture(context, w, h, gpu::Format::rg32f),
               gpu::Texture(context, w, h, gpu::Format::rgba32ui)};
   const gpu::Texture depth(context, w, h, gpu::Format::depth32f);
-  const gpu::Framebuffer target(context,
-                                {&frame.position, &frame.face_normal, &frame.normal, &frame.irradiance, &frame.uv,
-                                 &frame.surface_id},
-                                &depth);
+  const gpu::Framebuffer target(
+      context,
+      {&frame.position, &frame.face_normal, &frame.normal, &frame.irradiance, &frame.uv, &frame.surface_id},
+      &depth);
   const gpu::Program program(context, {methods::shader_file("frame/gbuffer.vert")},
                              {methods::shader_file("frame/gbuffer.frag")});
   const Mat4d view = camera.view_matrix();

@@ -36,8 +36,8 @@ class SurfaceBuffers {
   double mean_mm_per_uv_unit_ = 0.0;
 };
 
-// One rendered view: what every method gets (DESIGN section 2). All textures are of the camera's size, sampled
-// at pixel centres, without antialiasing; where nothing is seen they are 0.
+// One rendered view: what every method gets (DESIGN section 2). All textures are of the camera's size,
+// sampled at pixel centres, without antialiasing; where nothing is seen they are 0.
 struct Frame {
   Camera camera;
   gpu::Texture position;     // rgb: view-space position, mm; a: 1 where a surface is seen
@@ -59,15 +59,16 @@ struct PixelSurface {
 
 // The frame's contents on the host, row 0 at the top.
 struct FrameImages {
-  Image position;     // 3 channels, view space, mm
-  Image face_normal;  // 3
-  Image normal;       // 3
-  Image irradiance;   // 3
-  Image mask;         // 1: 1 on skin
+  Image position;                     // 3 channels, view space, mm
+  Image face_normal;                  // 3
+  Image normal;                       // 3
+  Image irradiance;                   // 3
+  Image mask;                         // 1: 1 on skin
   std::vector<PixelSurface> surface;  // row by row
 
   const PixelSurface& surface_at(int x, int y) const {
-    return surface[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width()) + static_cast<std::size_t>(x)];
+    return surface[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width()) +
+                   static_cast<std::size_t>(x)];
   }
 };
 

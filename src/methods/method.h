@@ -34,7 +34,7 @@ struct MethodInputs {
 
 // A method with its programs compiled and its textures made, ready to draw a frame again and again.
 struct PreparedMethod {
-  std::function<void(Passes&)> render;  // every pass that the method adds to the shared G-buffer
+  std::function<void(Passes&)> render;   // every pass that the method adds to the shared G-buffer
   const gpu::Texture* output = nullptr;  // exitance in rgb, of the frame's size; lives as long as `render`
 };
 

@@ -36,7 +36,8 @@ PassProgram::PassProgram(const gpu::Context& context, std::string_view vertex, s
     : plain(build(context, methods::shader_file(vertex), fragment, defines, false)),
       counting(build(context, methods::shader_file(vertex), fragment, defines, true)) {}
 
-void Passes::draw(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms, bool add) {
+void Passes::draw(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms,
+                  bool add) {
   run(program, target, set_uniforms, add, false, [&] { full_screen_.draw(); });
 }
 
@@ -58,8 +59,10 @@ void Passes::run(const PassProgram& program, const Target& target, const SetUnif
   };
   if (counting_) {
     // Counts go to a texture of their own; drawn without blending, for a blended result plays no part here.
-    const gpu::Texture scratch(context_, target.texture.width(), target.texture.height(), target.texture.format());
-    const gpu::Texture counts(context_, target.texture.width(), target.texture.height(), gpu::Format::rgba32f);
+    const gpu::Texture scratch(context_, target.texture.width(), target.texture.height(),
+                               target.texture.format());
+    const gpu::Texture counts(context_, target.texture.width(), target.texture.height(),
+                              gpu::Format::rgba32f);
     const gpu::Framebuffer framebuffer(context_, {&scratch, &counts});
     framebuffer.clear();
     submit(program.counting, framebuffer);

@@ -26,7 +26,8 @@ struct PassProgram {
   gpu::Program counting;
 
   // `fragment`: path below src/methods/. common.glsl comes first.
-  PassProgram(const gpu::Context& context, std::string_view fragment, const std::vector<std::string>& defines = {});
+  PassProgram(const gpu::Context& context, std::string_view fragment,
+              const std::vector<std::string>& defines = {});
   // With a vertex shader of its own, for passes that draw geometry.
   PassProgram(const gpu::Context& context, std::string_view vertex, std::string_view fragment,
               const std::vector<std::string>& defines);
@@ -40,7 +41,8 @@ class Passes {
   using SetUniforms = std::function<void(const gpu::Program&)>;
 
   // A full-screen pass into `target`; `add` blends onto what is there instead of replacing it.
-  void draw(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms, bool add = false);
+  void draw(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms,
+            bool add = false);
   // The same with the caller's geometry, into a cleared target.
   void draw_geometry(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms,
                      const std::function<void()>& geometry);
@@ -56,8 +58,8 @@ class Passes {
   Counts count(const std::function<void()>& work);
 
  private:
-  void run(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms, bool add, bool clear,
-           const std::function<void()>& geometry);
+  void run(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms, bool add,
+           bool clear, const std::function<void()>& geometry);
 
   const gpu::Context& context_;
   gpu::FullScreen full_screen_;

@@ -12,7 +12,8 @@ SettingValue default_value(const SettingSpec& spec) {
   return spec.default_number;
 }
 
-void check(std::string_view method, const SettingSpec& spec, const SettingValue& value, const SourceLocation& where) {
+void check(std::string_view method, const SettingSpec& spec, const SettingValue& value,
+           const SourceLocation& where) {
   if (!spec.choices.empty()) {
     const auto* word = std::get_if<std::string>(&value);
     if (word == nullptr || std::find(spec.choices.begin(), spec.choices.end(), *word) == spec.choices.end()) {
@@ -32,7 +33,8 @@ void check(std::string_view method, const SettingSpec& spec, const SettingValue&
                       spec.minimum, spec.maximum);
   }
   if (spec.whole && *number != std::floor(*number)) {
-    throw_input_error(where, "method '{}': '{}' is {}; it must be a whole number", method, spec.name, *number);
+    throw_input_error(where, "method '{}': '{}' is {}; it must be a whole number", method, spec.name,
+                      *number);
   }
 }
 
@@ -45,7 +47,8 @@ Settings::Settings(std::string_view method, const std::vector<SettingSpec>& spec
   for (const auto& [name, value] : given) {
     const auto at = where.find(name);
     const SourceLocation location = at != where.end() ? at->second : SourceLocation{};
-    const auto spec = std::find_if(specs.begin(), specs.end(), [&](const SettingSpec& s) { return s.name == name; });
+    const auto spec =
+        std::find_if(specs.begin(), specs.end(), [&](const SettingSpec& s) { return s.name == name; });
     if (spec == specs.end()) {
       std::vector<std::string_view> names;
       for (const SettingSpec& s : specs) names.push_back(s.name);

@@ -29,7 +29,8 @@ class Settings {
   // Fills in the defaults. Throws Error (input) at `where[name]` for an unknown name, a value of the wrong
   // kind or out of range; the message lists what is allowed.
   Settings(std::string_view method, const std::vector<SettingSpec>& specs,
-           const std::map<std::string, SettingValue>& given, const std::map<std::string, SourceLocation>& where = {});
+           const std::map<std::string, SettingValue>& given,
+           const std::map<std::string, SourceLocation>& where = {});
 
   double number(std::string_view name) const;
   int whole(std::string_view name) const;

@@ -117,7 +117,8 @@ struct DistanceField {
 DistanceField distance_to_contours(const ContourMap& map) {
   const auto width = static_cast<std::size_t>(map.width);
   const auto height = static_cast<std::size_t>(map.height);
-  DistanceField field{std::vector<double>(width * height, kInfinity), std::vector<std::size_t>(width * height)};
+  DistanceField field{std::vector<double>(width * height, kInfinity),
+                      std::vector<std::size_t>(width * height)};
   for (std::size_t i = 0; i < width * height; ++i) {
     field.nearest[i] = i;
     if (map.contour[i] != ContourClass::none) field.squared[i] = 0.0;
@@ -165,7 +166,8 @@ ContourMap find_contours(const ContourInputs& inputs) {
       const std::size_t i = map.index(x, y);
       if (inputs.mask.at(x, y, 0) == 0.0F || !std::isfinite(field.squared[i])) continue;
       map.nearest[i] = map.contour[field.nearest[i]];
-      map.delta_mm[i] = std::sqrt(field.squared[i]) * -static_cast<double>(inputs.position.at(x, y, 2)) / inputs.focal_px;
+      map.delta_mm[i] =
+          std::sqrt(field.squared[i]) * -static_cast<double>(inputs.position.at(x, y, 2)) / inputs.focal_px;
     }
   }
   return map;

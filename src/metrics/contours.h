@@ -29,7 +29,7 @@ struct ContourMap {
   std::vector<ContourClass> contour;  // the pixel's own class
   std::vector<char> mask_edge;        // 1: skin beside non-skin on one continuous surface; never a silhouette
   std::vector<ContourClass> nearest;  // class of the nearest contour pixel, for skin; none if there is none
-  std::vector<double> delta_mm;       // distance on screen to it, times depth over focal length; infinite if none
+  std::vector<double> delta_mm;  // distance on screen to it, times depth over focal length; infinite if none
 
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);

@@ -48,7 +48,8 @@ ErrorStats error_stats(const Image& test, const Image& truth, const Image& mask,
   ErrorStats stats;
   stats.pixels = magnitudes.size();
   if (magnitudes.empty()) {
-    stats.bias = stats.mae = stats.rmse = stats.rel_rmse = stats.p50 = stats.p95 = stats.p99 = stats.max = kNan;
+    stats.bias = stats.mae = stats.rmse = stats.rel_rmse = stats.p50 = stats.p95 = stats.p99 = stats.max =
+        kNan;
     return stats;
   }
   const auto n = static_cast<double>(magnitudes.size());

@@ -46,7 +46,8 @@ Vec3d hunt_lab_from_rgb(const Vec3d& rgb) {
   const Vec3d t = (rgb_to_xyz() * rgb).cwiseQuotient(white_xyz());
   const double lightness = 116.0 * f(t.y()) - 16.0;
   // Hunt effect: colours look less colourful when dark.
-  return {lightness, 0.01 * lightness * 500.0 * (f(t.x()) - f(t.y())), 0.01 * lightness * 200.0 * (f(t.y()) - f(t.z()))};
+  return {lightness, 0.01 * lightness * 500.0 * (f(t.x()) - f(t.y())),
+          0.01 * lightness * 200.0 * (f(t.y()) - f(t.z()))};
 }
 
 double hyab(const Vec3d& a, const Vec3d& b) {
@@ -76,7 +77,8 @@ Plane convolve_separable(const Plane& in, const Size& size, const std::vector<do
           const int sx = rows ? std::clamp(x + k, 0, size.width - 1) : x;
           const int sy = rows ? y : std::clamp(y + k, 0, size.height - 1);
           sum += kernel[static_cast<std::size_t>(k + radius)] *
-                 from[static_cast<std::size_t>(sy) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(sx)];
+                 from[static_cast<std::size_t>(sy) * static_cast<std::size_t>(size.width) +
+                      static_cast<std::size_t>(sx)];
         }
         to[row * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x)] = sum;
       }
@@ -160,16 +162,19 @@ Perceived perceive(const Image& image, const Size& size, double ppd) {
   constexpr double kFeatureWidthDeg = 0.082;
   const double sd = 0.5 * kFeatureWidthDeg * ppd;
   const int feature_radius = static_cast<int>(std::ceil(3.0 * sd));
-  const std::vector<double> smooth = sampled(feature_radius, [&](double i) { return std::exp(-i * i / (2 * sd * sd)); });
+  const std::vector<double> smooth =
+      sampled(feature_radius, [&](double i) { return std::exp(-i * i / (2 * sd * sd)); });
   const double across = sum_of(smooth);
-  const std::vector<double> first =
-      normalised_parts(sampled(feature_radius, [&](double i) { return -i * std::exp(-i * i / (2 * sd * sd)); }), across);
+  const std::vector<double> first = normalised_parts(
+      sampled(feature_radius, [&](double i) { return -i * std::exp(-i * i / (2 * sd * sd)); }), across);
   const std::vector<double> second = normalised_parts(
-      sampled(feature_radius, [&](double i) { return (i * i / (sd * sd) - 1.0) * std::exp(-i * i / (2 * sd * sd)); }),
+      sampled(feature_radius,
+              [&](double i) { return (i * i / (sd * sd) - 1.0) * std::exp(-i * i / (2 * sd * sd)); }),
       across);
-  result.edge = magnitude(convolve_separable(gray, size, first, smooth), convolve_separable(gray, size, smooth, first));
-  result.point =
-      magnitude(convolve_separable(gray, size, second, smooth), convolve_separable(gray, size, smooth, second));
+  result.edge =
+      magnitude(convolve_separable(gray, size, first, smooth), convolve_separable(gray, size, smooth, first));
+  result.point = magnitude(convolve_separable(gray, size, second, smooth),
+                           convolve_separable(gray, size, smooth, second));
 
   // One radius for all channels: that of the widest filter.
   const int radius = static_cast<int>(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * kPi * kPi)) * ppd));

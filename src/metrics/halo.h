@@ -18,10 +18,11 @@ struct HaloProfile {
 
 // How wrong a picture is along silhouettes (DESIGN section 3), with s the widest standard deviation.
 struct Halo {
-  HaloProfile profile;     // to 6 s
-  double peak = 0.0;       // largest |relative error| of a bin
-  double width_mm = 0.0;   // smallest delta beyond which every bin up to 6 s is within 1 %; NaN if there is none
-  double energy = 0.0;     // sum |test - truth| within 3 s over sum truth there
+  HaloProfile profile;  // to 6 s
+  double peak = 0.0;    // largest |relative error| of a bin
+  double width_mm =
+      0.0;              // smallest delta beyond which every bin up to 6 s is within 1 %; NaN if there is none
+  double energy = 0.0;  // sum |test - truth| within 3 s over sum truth there
   double contrast = 0.0;   // RMSE within 3 s over RMSE beyond 6 s
   std::size_t pixels = 0;  // within 3 s
 };

@@ -7,7 +7,9 @@
 namespace truescatter {
 namespace {
 
-GaussianTerm shared_term(double variance_mm2, const Vec3d& weight) { return {Vec3d::Constant(variance_mm2), weight}; }
+GaussianTerm shared_term(double variance_mm2, const Vec3d& weight) {
+  return {Vec3d::Constant(variance_mm2), weight};
+}
 
 // Mikkelsen 2010, table 1: spike 15/18/20 %, the base takes the rest.
 Profile spike_and_base() {
@@ -26,7 +28,8 @@ Profile spike_and_base_sigma() {
   profile.name = "spike-and-base-sigma";
   profile.title = "Spike and base (Mikkelsen), wide reading";
   profile.source = "Mikkelsen 2010, table 1; its 'variance' read as a standard deviation in mm";
-  for (GaussianTerm& term : profile.terms) term.variance_mm2 = term.variance_mm2.cwiseProduct(term.variance_mm2);
+  for (GaussianTerm& term : profile.terms)
+    term.variance_mm2 = term.variance_mm2.cwiseProduct(term.variance_mm2);
   return profile;
 }
 
@@ -80,7 +83,8 @@ std::vector<GaussianLevel> gaussian_levels(const Profile& profile) {
 }
 
 const std::vector<Profile>& builtin_profiles() {
-  static const std::vector<Profile> profiles = {spike_and_base(), spike_and_base_sigma(), skin_six_gaussian()};
+  static const std::vector<Profile> profiles = {spike_and_base(), spike_and_base_sigma(),
+                                                skin_six_gaussian()};
   return profiles;
 }
 

@@ -15,8 +15,8 @@ namespace truescatter {
 // (UVs, normals) is stored per corner, in the order of the triangle's vertices.
 struct Mesh {
   std::vector<Vec3d> positions_mm;
-  std::vector<std::array<int, 3>> triangles;                  // counter-clockwise seen from outside
-  std::vector<std::array<Vec3d, 3>> corner_normals;           // unit length, one per triangle corner
+  std::vector<std::array<int, 3>> triangles;                    // counter-clockwise seen from outside
+  std::vector<std::array<Vec3d, 3>> corner_normals;             // unit length, one per triangle corner
   std::optional<std::vector<std::array<Vec2d, 3>>> corner_uvs;  // v up: (0, 0) is the image's bottom left
 
   std::size_t triangle_count() const { return triangles.size(); }

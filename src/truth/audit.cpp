@@ -26,9 +26,9 @@ double difference(const Vec4d& fast, const Vec4d& exact, double largest_irradian
 
 }  // namespace
 
-Certificate audit(const Surface& surface, std::span<const SurfacePoint> points, std::span<const TruthLayer> layers,
-                  const TruthValues& values, double tolerance, double tail_bound,
-                  std::span<const std::uint32_t> audited, std::size_t random_count) {
+Certificate audit(const Surface& surface, std::span<const SurfacePoint> points,
+                  std::span<const TruthLayer> layers, const TruthValues& values, double tolerance,
+                  double tail_bound, std::span<const std::uint32_t> audited, std::size_t random_count) {
   std::vector<SurfacePoint> chosen;
   for (const std::uint32_t i : audited) chosen.push_back(points[i]);
   const TruthValues exact = ExactEngine(surface, kAuditReach).convolve(chosen, layers);
@@ -40,7 +40,8 @@ Certificate audit(const Surface& surface, std::span<const SurfacePoint> points, 
   const double largest = surface.largest_irradiance();
   for (std::size_t l = 0; l < layers.size(); ++l) {
     for (std::size_t i = 0; i < audited.size(); ++i) {
-      certificate.max_error = std::max(certificate.max_error, difference(values[l][audited[i]], exact[l][i], largest));
+      certificate.max_error =
+          std::max(certificate.max_error, difference(values[l][audited[i]], exact[l][i], largest));
     }
   }
   // If a share q of the points were worse, n random points would all miss it with probability (1 - q)^n.

@@ -27,8 +27,8 @@ inline EdgeIntegrals edge_beyond_cut(double p, double t0, double t1, double at_f
 
 // A whole edge: `inside(p, t0, t1, at_foot)` gives the integrals where r < r_max.
 template <typename Inside>
-EdgeIntegrals integrate_edge(double p, double t0, double t1, double h, const TruthLayer& layer, double at_foot,
-                             const Inside& inside) {
+EdgeIntegrals integrate_edge(double p, double t0, double t1, double h, const TruthLayer& layer,
+                             double at_foot, const Inside& inside) {
   if (!std::isfinite(layer.r_max_mm)) return inside(p, t0, t1, at_foot);
   const double cut_in_std_devs = layer.r_max_mm / layer.std_dev_mm;
   const double at_cut = std::exp(-0.5 * cut_in_std_devs * cut_in_std_devs);
@@ -37,7 +37,8 @@ EdgeIntegrals integrate_edge(double p, double t0, double t1, double h, const Tru
   const double half_chord = std::sqrt(half_chord2);
   const double c0 = std::clamp(-half_chord, t0, t1);
   const double c1 = std::clamp(half_chord, t0, t1);
-  EdgeIntegrals sum = edge_beyond_cut(p, t0, c0, at_foot, at_cut) + edge_beyond_cut(p, c1, t1, at_foot, at_cut);
+  EdgeIntegrals sum =
+      edge_beyond_cut(p, t0, c0, at_foot, at_cut) + edge_beyond_cut(p, c1, t1, at_foot, at_cut);
   if (c1 > c0) sum = sum + inside(p, c0, c1, at_foot);
   return sum;
 }
@@ -45,8 +46,8 @@ EdgeIntegrals integrate_edge(double p, double t0, double t1, double h, const Tru
 // The convolution of one triangle as a sum over its edges: (M_r, M_g, M_b, m). A triangle without area
 // gives 0.
 template <typename Inside>
-Vec4d convolve_triangle_by_edges(const SurfaceTriangle& triangle, const Vec3d& point_mm, const TruthLayer& layer,
-                                 const Inside& inside) {
+Vec4d convolve_triangle_by_edges(const SurfaceTriangle& triangle, const Vec3d& point_mm,
+                                 const TruthLayer& layer, const Inside& inside) {
   const auto& x = triangle.corners_mm;
   const Vec3d cross = (x[1] - x[0]).cross(x[2] - x[0]);
   const double twice_area = cross.norm();
@@ -66,7 +67,8 @@ Vec4d convolve_triangle_by_edges(const SurfaceTriangle& triangle, const Vec3d& p
     if (!(length > 0.0)) continue;
     const Vec3d along = (b - a) / length;
     const Vec3d outward = along.cross(normal);
-    const EdgeIntegrals edge = integrate_edge(a.dot(outward), a.dot(along), b.dot(along), h, layer, at_foot, inside);
+    const EdgeIntegrals edge =
+        integrate_edge(a.dot(outward), a.dot(along), b.dot(along), h, layer, at_foot, inside);
     radial += edge.radial;
     line += edge.line * outward;
   }

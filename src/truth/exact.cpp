@@ -29,10 +29,12 @@ EdgeIntegrals edge_inside_exact(double p, double t0, double t1, double std_dev_m
   return result;
 }
 
-Vec4d convolve_triangle_exact(const SurfaceTriangle& triangle, const Vec3d& point_mm, const TruthLayer& layer) {
-  return convolve_triangle_by_edges(triangle, point_mm, layer, [&](double p, double t0, double t1, double at_foot) {
-    return edge_inside_exact(p, t0, t1, layer.std_dev_mm, at_foot);
-  });
+Vec4d convolve_triangle_exact(const SurfaceTriangle& triangle, const Vec3d& point_mm,
+                              const TruthLayer& layer) {
+  return convolve_triangle_by_edges(triangle, point_mm, layer,
+                                    [&](double p, double t0, double t1, double at_foot) {
+                                      return edge_inside_exact(p, t0, t1, layer.std_dev_mm, at_foot);
+                                    });
 }
 
 Vec4d ExactEngine::convolve(const SurfacePoint& point, const TruthLayer& layer) const {
@@ -40,11 +42,13 @@ Vec4d ExactEngine::convolve(const SurfacePoint& point, const TruthLayer& layer) 
   std::vector<std::uint32_t> near;
   tree_.find(point.position_mm, radius_mm, point.component, near);
   Vec4d sum = Vec4d::Zero();
-  for (const std::uint32_t t : near) sum += convolve_triangle_exact(surface_.triangles[t], point.position_mm, layer);
+  for (const std::uint32_t t : near)
+    sum += convolve_triangle_exact(surface_.triangles[t], point.position_mm, layer);
   return sum;
 }
 
-TruthValues ExactEngine::convolve(std::span<const SurfacePoint> points, std::span<const TruthLayer> layers) const {
+TruthValues ExactEngine::convolve(std::span<const SurfacePoint> points,
+                                  std::span<const TruthLayer> layers) const {
   TruthValues values(layers.size(), std::vector<Vec4d>(points.size(), Vec4d::Zero()));
   parallel_for(points.size(), [&](std::size_t i) {
     for (std::size_t l = 0; l < layers.size(); ++l) values[l][i] = convolve(points[i], layers[l]);

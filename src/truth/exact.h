@@ -16,7 +16,8 @@ namespace truescatter {
 // The first integral is Owen's T function, the second an error function. A finite r_max replaces F(r) by
 // F(min(r, r_max)), split where the edge crosses the sphere. Accurate to rounding in units of the largest
 // irradiance (absolute: far triangles cancel). A triangle without area gives 0.
-Vec4d convolve_triangle_exact(const SurfaceTriangle& triangle, const Vec3d& point_mm, const TruthLayer& layer);
+Vec4d convolve_triangle_exact(const SurfaceTriangle& triangle, const Vec3d& point_mm,
+                              const TruthLayer& layer);
 
 // The integrals along a piece of an edge inside the cut-off, in closed form: Owen's T and erf.
 EdgeIntegrals edge_inside_exact(double p, double t0, double t1, double std_dev_mm, double at_foot);

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kTailShare = 0.1;        // of the tolerance
 constexpr double kQuadratureShare = 0.6;  // of the tolerance
-constexpr int kMaxSplit = 6;              // a triangle is split into at most 36 before the closed form is cheaper
-constexpr double kClusterRadius = 0.25;   // of the search radius: larger clusters are split
+constexpr int kMaxSplit = 6;  // a triangle is split into at most 36 before the closed form is cheaper
+constexpr double kClusterRadius = 0.25;  // of the search radius: larger clusters are split
 constexpr std::size_t kTaskPoints = 1024;
 
 // Farthest corner from the centroid.
@@ -33,8 +33,10 @@ double centroid_radius(const SurfaceTriangle& triangle) {
 // 2 + sqrt(3) (a pole beside the end) or 2 + sqrt(5) (beside the middle), and the error is of the order of
 // 3.7^-12 = 1e-7; a <= s keeps the Gaussian's own part below that (0.5^12 / 12!).
 EdgeIntegrals edge_inside_fast(double p, double t0, double t1, double std_dev_mm, double at_foot) {
-  static constexpr std::array<double, 3> kNodes = {0.2386191860831969, 0.6612093864662645, 0.9324695142031521};
-  static constexpr std::array<double, 3> kWeights = {0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
+  static constexpr std::array<double, 3> kNodes = {0.2386191860831969, 0.6612093864662645,
+                                                   0.9324695142031521};
+  static constexpr std::array<double, 3> kWeights = {0.4679139345726910, 0.3607615730481386,
+                                                     0.1713244923791704};
   const double half = 0.5 * (t1 - t0);
   const double middle = 0.5 * (t0 + t1);
   if (half > std_dev_mm || 4.0 * half * half > middle * middle + p * p) {
@@ -55,10 +57,12 @@ EdgeIntegrals edge_inside_fast(double p, double t0, double t1, double std_dev_mm
   return {sum.radial * scale, -sum.line * scale};
 }
 
-Vec4d convolve_triangle_fast(const SurfaceTriangle& triangle, const Vec3d& point_mm, const TruthLayer& layer) {
-  return convolve_triangle_by_edges(triangle, point_mm, layer, [&](double p, double t0, double t1, double at_foot) {
-    return edge_inside_fast(p, t0, t1, layer.std_dev_mm, at_foot);
-  });
+Vec4d convolve_triangle_fast(const SurfaceTriangle& triangle, const Vec3d& point_mm,
+                             const TruthLayer& layer) {
+  return convolve_triangle_by_edges(triangle, point_mm, layer,
+                                    [&](double p, double t0, double t1, double at_foot) {
+                                      return edge_inside_fast(p, t0, t1, layer.std_dev_mm, at_foot);
+                                    });
 }
 
 // What must be known about each triangle, computed once.
@@ -88,7 +92,8 @@ class RuleChooser {
     const std::span<const TriangleRule> rules = triangle_rules();
     for (std::size_t r = 0; r < rules.size(); ++r) {
       const auto parts = static_cast<int>(std::ceil(std::max(1.0, radius_in_std_devs / limits_[r])));
-      const std::size_t nodes = rules[r].nodes.size() * static_cast<std::size_t>(parts) * static_cast<std::size_t>(parts);
+      const std::size_t nodes =
+          rules[r].nodes.size() * static_cast<std::size_t>(parts) * static_cast<std::size_t>(parts);
       if (parts <= kMaxSplit && nodes < best_nodes) {
         best = {&rules[r], parts};
         best_nodes = nodes;
@@ -167,7 +172,8 @@ void add_nodes(const SurfaceTriangle& triangle, const Split& split, const Vec3d&
                                              at(triangle.irradiance, c)};
     std::size_t i = list.grow(split.rule->nodes.size());
     for (const TriangleNode& node : split.rule->nodes) {
-      list.set(i++, at(corners, node.barycentric) - center, at(irradiance, node.barycentric), node.weight * part_area);
+      list.set(i++, at(corners, node.barycentric) - center, at(irradiance, node.barycentric),
+               node.weight * part_area);
     }
   };
   for (int i = 0; i < n; ++i) {
@@ -213,10 +219,11 @@ Vec4d sum_nodes(const NodeList<Scalar>& nodes, std::size_t begin, std::size_t en
 template <typename Scalar>
 struct LayerPlan {
   TruthLayer layer;
-  double reach_mm;  // search radius
-  bool cut;         // the cut-off lies inside the search radius
-  std::vector<Split> split;             // per triangle
-  std::vector<std::size_t> node_begin;  // per triangle, and one more: nodes that are kept, in world coordinates
+  double reach_mm;           // search radius
+  bool cut;                  // the cut-off lies inside the search radius
+  std::vector<Split> split;  // per triangle
+  std::vector<std::size_t>
+      node_begin;  // per triangle, and one more: nodes that are kept, in world coordinates
   NodeList<Scalar> nodes;
 };
 
@@ -229,15 +236,20 @@ LayerPlan<Scalar> plan_layer(const Surface& surface, const std::vector<TriangleB
                              const RuleChooser& chooser, const TruthLayer& layer, double tail_mm) {
   LayerPlan<Scalar> plan{layer, std::min(tail_mm, layer.r_max_mm), layer.r_max_mm < tail_mm, {}, {0}, {}};
   std::size_t wanted = 0;
-  const auto keeps = [&](const Split& split) { return split.rule != nullptr && split.parts <= kMaxKeptSplit; };
+  const auto keeps = [&](const Split& split) {
+    return split.rule != nullptr && split.parts <= kMaxKeptSplit;
+  };
   for (const TriangleBounds& bound : bounds) {
     plan.split.push_back(chooser.choose(bound.radius_mm / layer.std_dev_mm));
     const Split& split = plan.split.back();
-    if (keeps(split)) wanted += split.rule->nodes.size() * static_cast<std::size_t>(split.parts * split.parts);
+    if (keeps(split))
+      wanted += split.rule->nodes.size() * static_cast<std::size_t>(split.parts * split.parts);
   }
   for (std::size_t t = 0; t < bounds.size(); ++t) {
     if (wanted <= kMaxKeptNodes && keeps(plan.split[t])) {
-      add_nodes(surface.triangles[t], plan.split[t], Vec3d::Zero(), [](const Vec3d&, double) { return true; }, plan.nodes);
+      add_nodes(
+          surface.triangles[t], plan.split[t], Vec3d::Zero(), [](const Vec3d&, double) { return true; },
+          plan.nodes);
     }
     plan.node_begin.push_back(plan.nodes.size());
   }
@@ -340,10 +352,12 @@ class ClusterWorker {
     if (distance - bound.radius_mm >= plan.layer.r_max_mm) return Vec4d::Zero();
     const SurfaceTriangle& triangle = surface_.triangles[range.triangle];
     double farthest2 = 0.0;
-    for (const Vec3d& corner : triangle.corners_mm) farthest2 = std::max(farthest2, (corner - point).squaredNorm());
+    for (const Vec3d& corner : triangle.corners_mm)
+      farthest2 = std::max(farthest2, (corner - point).squaredNorm());
     const bool inside = farthest2 <= plan.layer.r_max_mm * plan.layer.r_max_mm;
     if (inside && range.begin < range.end) {
-      return sum_nodes(crossing_nodes_, range.begin, range.end, point - center_, plan.layer.std_dev_mm, gray_);
+      return sum_nodes(crossing_nodes_, range.begin, range.end, point - center_, plan.layer.std_dev_mm,
+                       gray_);
     }
     return convolve_triangle_fast(triangle, point, plan.layer);
   }

@@ -22,8 +22,8 @@ void add_orbit3(std::vector<TriangleNode>& nodes, double a, double weight) {
 
 void add_orbit6(std::vector<TriangleNode>& nodes, double a, double b, double weight) {
   const double c = 1.0 - a - b;
-  for (const Vec3d& barycentric : {Vec3d(a, b, c), Vec3d(b, c, a), Vec3d(c, a, b), Vec3d(a, c, b), Vec3d(c, b, a),
-                                   Vec3d(b, a, c)}) {
+  for (const Vec3d& barycentric :
+       {Vec3d(a, b, c), Vec3d(b, c, a), Vec3d(c, a, b), Vec3d(a, c, b), Vec3d(c, b, a), Vec3d(b, a, c)}) {
     nodes.push_back({barycentric, weight});
   }
 }

@@ -19,8 +19,8 @@ class TriangleTree {
  private:
   struct Node {
     Eigen::AlignedBox3d box;
-    std::uint32_t first = 0;   // leaf: first entry of order_; inner: index of the left child, right is + 1
-    std::uint32_t count = 0;   // 0 for an inner node
+    std::uint32_t first = 0;  // leaf: first entry of order_; inner: index of the left child, right is + 1
+    std::uint32_t count = 0;  // 0 for an inner node
   };
 
   void build(std::uint32_t node, std::uint32_t begin, std::uint32_t end);

@@ -17,8 +17,8 @@ constexpr double kRounding = 1e-11;
 double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
 
 // The rectangle o + [u0, u1] a + [v0, v1] b in cells, each cut into two triangles.
-void add_rectangle(Surface& surface, const Vec3d& o, const Vec3d& a, const Vec3d& b, double u0, double u1, double v0,
-                   double v1, int cells, double irradiance) {
+void add_rectangle(Surface& surface, const Vec3d& o, const Vec3d& a, const Vec3d& b, double u0, double u1,
+                   double v0, double v1, int cells, double irradiance) {
   for (int i = 0; i < cells; ++i) {
     for (int j = 0; j < cells; ++j) {
       const auto corner = [&](int di, int dj) {
@@ -35,8 +35,10 @@ TEST(PlaneClosedForm, StepEdge) {
   for (const double s : {0.08, 0.7, 2.7}) {
     const double extent = kExtentStdDevs * s;
     Surface surface;
-    add_rectangle(surface, Vec3d::Zero(), Vec3d::UnitX(), Vec3d::UnitY(), -extent, 0.0, -extent, extent, 7, 1.0);
-    add_rectangle(surface, Vec3d::Zero(), Vec3d::UnitX(), Vec3d::UnitY(), 0.0, extent, -extent, extent, 5, 0.0);
+    add_rectangle(surface, Vec3d::Zero(), Vec3d::UnitX(), Vec3d::UnitY(), -extent, 0.0, -extent, extent, 7,
+                  1.0);
+    add_rectangle(surface, Vec3d::Zero(), Vec3d::UnitX(), Vec3d::UnitY(), 0.0, extent, -extent, extent, 5,
+                  0.0);
     const ExactEngine engine(surface);
     for (const double u : {-1.7, -0.3, 0.0, 1e-9, 0.4, 1.9}) {
       for (const double v : {0.0, 0.37}) {
@@ -54,7 +56,8 @@ TEST(PlaneClosedForm, LinearIrradianceIsReproduced) {
   const double s = 1.3;
   const double extent = kExtentStdDevs * s;
   Surface surface;
-  add_rectangle(surface, Vec3d::Zero(), Vec3d::UnitX(), Vec3d::UnitY(), -extent, extent, -extent, extent, 9, 0.0);
+  add_rectangle(surface, Vec3d::Zero(), Vec3d::UnitX(), Vec3d::UnitY(), -extent, extent, -extent, extent, 9,
+                0.0);
   for (SurfaceTriangle& triangle : surface.triangles) {
     for (std::size_t c = 0; c < 3; ++c) {
       const Vec3d& x = triangle.corners_mm[c];
@@ -76,7 +79,8 @@ TEST(WedgeClosedForm, TwoHalfPlanes) {
     const double psi = dihedral_deg * kPi / 180.0;
     Surface surface;
     // Both half-planes end in the y axis; the point lies on the first at distance a from it.
-    add_rectangle(surface, Vec3d::Zero(), Vec3d::UnitX(), Vec3d::UnitY(), 0.0, extent, -extent, extent, 6, 1.0);
+    add_rectangle(surface, Vec3d::Zero(), Vec3d::UnitX(), Vec3d::UnitY(), 0.0, extent, -extent, extent, 6,
+                  1.0);
     const Vec3d other(std::cos(psi), 0.0, std::sin(psi));
     add_rectangle(surface, Vec3d::Zero(), other, Vec3d::UnitY(), 0.0, extent, -extent, extent, 6, 0.0);
     const ExactEngine engine(surface);
@@ -85,7 +89,8 @@ TEST(WedgeClosedForm, TwoHalfPlanes) {
       // Own half-plane: Phi(a). The other is seen from height a sin(psi), foot at a cos(psi) inside it:
       // exp(-(a sin psi)^2 / 2) Phi(a cos psi).
       const double own = normal_cdf(a);
-      const double seen = std::exp(-0.5 * a * a * std::sin(psi) * std::sin(psi)) * normal_cdf(a * std::cos(psi));
+      const double seen =
+          std::exp(-0.5 * a * a * std::sin(psi) * std::sin(psi)) * normal_cdf(a * std::cos(psi));
       EXPECT_NEAR(value[0], own, kRounding) << dihedral_deg << " " << a;
       EXPECT_NEAR(value[3], own + seen, kRounding) << dihedral_deg << " " << a;
     }
@@ -114,8 +119,8 @@ TEST(PlaneClosedForm, CutOffHalfPlane) {
   Surface surface;
   add_rectangle(surface, Vec3d::Zero(), Vec3d::UnitX(), Vec3d::UnitY(), -10.0, u, -10.0, 10.0, 11, 1.0);
   const Vec4d value = ExactEngine(surface).convolve({Vec3d::Zero(), 0}, {s, r_max});
-  // Chords: integral over x of phi(x) erf(sqrt(r_max^2 - x^2) / sqrt 2). With x = r_max sin(a) the integrand is
-  // smooth at the disc's edge and Simpson's rule with 20000 intervals is at rounding.
+  // Chords: integral over x of phi(x) erf(sqrt(r_max^2 - x^2) / sqrt 2). With x = r_max sin(a) the integrand
+  // is smooth at the disc's edge and Simpson's rule with 20000 intervals is at rounding.
   const int n = 20000;
   const double a0 = -0.5 * kPi;
   const double a1 = std::asin(u / r_max);

@@ -91,7 +91,8 @@ TEST(Lighting, CoarseSphereCastsNoBlocksOnItself) {
   const Light light = lamp(Vec3d(0.3, 0.5, 1.0));
   const Lighting shadowed(sphere, {light});
   for (std::size_t t = 0; t < sphere.triangle_count(); ++t) {
-    for (const Vec3d& b : {Vec3d(1.0 / 3, 1.0 / 3, 1.0 / 3), Vec3d(0.9, 0.05, 0.05), Vec3d(0.05, 0.9, 0.05)}) {
+    for (const Vec3d& b :
+         {Vec3d(1.0 / 3, 1.0 / 3, 1.0 / 3), Vec3d(0.9, 0.05, 0.05), Vec3d(0.05, 0.9, 0.05)}) {
       const double cosine = interpolated_normal(sphere, {t, b}).dot(light.direction);
       if (cosine > 0.24) {
         EXPECT_NEAR(shadowed.irradiance({t, b}).x(), cosine, 1e-12) << "triangle " << t;
@@ -134,7 +135,8 @@ TEST(Refinement, IsConformingInPlaneAndGoesToTheShadowEdge) {
     const Vec3d middle = (shading.corner(t, 0) + shading.corner(t, 1) + shading.corner(t, 2)) / 3.0;
     const double length = (shading.corner(t, 1) - shading.corner(t, 0)).norm();
     const double distance = std::abs(middle.x() + 8.0);
-    if (std::abs(middle.y()) > 26.0) continue;  // the shadow's ends lie on the outline, where rays graze the card
+    if (std::abs(middle.y()) > 26.0)
+      continue;  // the shadow's ends lie on the outline, where rays graze the card
     if (middle.z() > 0.0 || distance > 6.0) smallest_away = std::min(smallest_away, length);
     if (middle.z() < 0.0 && distance < 0.5) smallest_at_edge = std::min(smallest_at_edge, length);
   }

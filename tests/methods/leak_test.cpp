@@ -27,7 +27,8 @@ double leak_mm2(std::string_view method) {
   double sum = 0.0;
   for (int y = 0; y < 256; ++y) {
     for (int x = 0; x < 256; ++x) {
-      const bool back = scene.images().mask.at(x, y, 0) != 0.0F && scene.images().position.at(x, y, 2) < -kDistanceMm;
+      const bool back =
+          scene.images().mask.at(x, y, 0) != 0.0F && scene.images().position.at(x, y, 2) < -kDistanceMm;
       if (back) sum += static_cast<double>(result.at(x, y, 0)) * px_mm * px_mm;
     }
   }

@@ -21,21 +21,23 @@ class EveryMethod : public testing::TestWithParam<std::size_t> {
   const Method& method() const { return all_methods()[GetParam()]; }
 };
 
-INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::Range<std::size_t>(0, all_methods().size()), test_name);
+INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::Range<std::size_t>(0, all_methods().size()),
+                         test_name);
 
 double largest_difference(const Image& a, const Image& b, const Image& mask, int margin) {
   double worst = 0.0;
   for (int y = margin; y < a.height() - margin; ++y) {
     for (int x = margin; x < a.width() - margin; ++x) {
-      if (mask.at(x, y, 0) != 0.0F) worst = std::max(worst, (a.rgb(x, y) - b.rgb(x, y)).cwiseAbs().maxCoeff());
+      if (mask.at(x, y, 0) != 0.0F)
+        worst = std::max(worst, (a.rgb(x, y) - b.rgb(x, y)).cwiseAbs().maxCoeff());
     }
   }
   return worst;
 }
 
 TEST_P(EveryMethod, KeepsConstantLightConstant) {
-  // A plane lit evenly and larger than the frame; also tilted. What a method loses beyond the frame (blur2d, by
-  // design) stays within its 4 standard deviations: the widest is 2.72 mm = 8.7 px, so 35 px.
+  // A plane lit evenly and larger than the frame; also tilted. What a method loses beyond the frame (blur2d,
+  // by design) stays within its 4 standard deviations: the widest is 2.72 mm = 8.7 px, so 35 px.
   for (const double tilt_deg : {0.0, 50.0}) {
     Mesh plane = make_builtin("plane", {{"size_mm", 160.0}, {"edge_mm", 8.0}});
     const Eigen::AngleAxisd turn(tilt_deg * kPi / 180.0, Vec3d(1.0, 0.4, 0.0).normalized());
@@ -58,17 +60,18 @@ TEST_P(EveryMethod, IsTheIdentityAsWidthsGoToZero) {
   // A cosine of light over a sphere, widths a thousandth of the skin's: 0.003 mm against pixels of 0.3 mm.
   const Scene scene(test::shade(make_builtin("sphere"), test::lamp(Vec3d(0.5, 0.3, 1.0))),
                     test::camera_at(400.0, 40.0, 128));
-  // screen-gaussian: 0.76 s_px per axis and level (6 levels of at most 0.009 px) times the largest step between
-  // pixels. Irradiance falls by at most 1/25 per mm along the sphere; where the frame ends, at 20 mm from the
-  // axis, the surface turns by 53 degrees, so a pixel of 0.3 mm spans 0.5 mm and a step of 0.021 (0.04 on the
-  // diagonal). 12 * 0.76 * 0.009 * 0.04 = 3.3e-3; the levels' steps shrink, so this is generous.
-  // texture-space: half a texel's diagonal, 0.7 * (about 0.2 mm per texel of a 1024 atlas) / 25 mm = 6e-3, and
-  // irradiance is read at the texel's centre on the facet.
+  // screen-gaussian: 0.76 s_px per axis and level (6 levels of at most 0.009 px) times the largest step
+  // between pixels. Irradiance falls by at most 1/25 per mm along the sphere; where the frame ends, at 20 mm
+  // from the axis, the surface turns by 53 degrees, so a pixel of 0.3 mm spans 0.5 mm and a step of 0.021
+  // (0.04 on the diagonal). 12 * 0.76 * 0.009 * 0.04 = 3.3e-3; the levels' steps shrink, so this is generous.
+  // texture-space: half a texel's diagonal, 0.7 * (about 0.2 mm per texel of a 1024 atlas) / 25 mm = 6e-3,
+  // and irradiance is read at the texel's centre on the facet.
   const double limit = method().needs_uvs ? 6e-3 : 3.3e-3;
   for (const Profile& profile : builtin_profiles()) {
     const Image result = scene.run(method(), scaled(profile, 1e-3));
     // Away from the silhouette's background, which the frame does not show: the frame is inside the disc.
-    EXPECT_LE(largest_difference(result, scene.images().irradiance, scene.images().mask, 14), limit) << profile.name;
+    EXPECT_LE(largest_difference(result, scene.images().irradiance, scene.images().mask, 14), limit)
+        << profile.name;
   }
 }
 
@@ -130,13 +133,15 @@ TEST_P(EveryMethod, GivesNumbersAtGrazingAnglesAndOnAnEmptyFrame) {
 }
 
 TEST_P(EveryMethod, CountsItsPassesAndReads) {
-  const Scene scene(test::shade(make_builtin("sphere"), test::lamp(Vec3d::UnitZ())), test::camera_at(400.0, 60.0, 32));
+  const Scene scene(test::shade(make_builtin("sphere"), test::lamp(Vec3d::UnitZ())),
+                    test::camera_at(400.0, 60.0, 32));
   const Settings settings(method().name, method().settings, {});
   const Profile& profile = builtin_profiles().front();
   const Mesh mesh = make_builtin("sphere");
   const ShadingMesh shading = test::shade(mesh, test::lamp(Vec3d::UnitZ()));
   const SurfaceBuffers buffers(Scene::context(), shading);
-  const PreparedMethod prepared = method().prepare({Scene::context(), scene.frame(), buffers, 400.0, profile, settings});
+  const PreparedMethod prepared =
+      method().prepare({Scene::context(), scene.frame(), buffers, 400.0, profile, settings});
   Passes passes(Scene::context());
   prepared.render(passes);
   const Image before = gpu::read_texture(Scene::context(), *prepared.output, 3);

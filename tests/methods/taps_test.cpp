@@ -38,7 +38,8 @@ TEST(EqualProbabilityTaps, WeightsAreProbabilities) {
 TEST(EqualProbabilityTaps, VarianceOfThirteen) {
   // Of the red variance: 0.907 with medians, 0.971 with centroids (design, to three digits).
   EXPECT_NEAR(moments(equal_probability_taps(13, kTable1, TapPlacement::median)).variance / 2.3, 0.907, 5e-4);
-  EXPECT_NEAR(moments(equal_probability_taps(13, kTable1, TapPlacement::centroid)).variance / 2.3, 0.971, 5e-4);
+  EXPECT_NEAR(moments(equal_probability_taps(13, kTable1, TapPlacement::centroid)).variance / 2.3, 0.971,
+              5e-4);
 }
 
 TEST(EqualProbabilityTaps, OtherChannelsWeighTheRedBins) {

@@ -50,7 +50,8 @@ class Scene {
   const Frame& frame() const { return frame_; }
   const FrameImages& images() const { return images_; }
 
-  Image run(const Method& method, const Profile& profile, const std::map<std::string, SettingValue>& given = {}) const {
+  Image run(const Method& method, const Profile& profile,
+            const std::map<std::string, SettingValue>& given = {}) const {
     const Settings settings(method.name, method.settings, given);
     const PreparedMethod prepared =
         method.prepare({context(), frame_, buffers_, median_skin_depth_mm(images_), profile, settings});

@@ -26,7 +26,8 @@ SurfaceTriangle random_triangle(std::mt19937_64& generator, double size) {
   return triangle;
 }
 
-// Gauss-Legendre nodes on [0, 1] by Newton's method on the Legendre polynomial: independent of all code under test.
+// Gauss-Legendre nodes on [0, 1] by Newton's method on the Legendre polynomial: independent of all code under
+// test.
 struct Node {
   double x;
   double w;
@@ -53,7 +54,8 @@ std::vector<Node> gauss_legendre(int n) {
 }
 
 // The plain integral by a product rule on the square, folded onto the triangle (Duffy), on 4^level parts.
-Vec4d brute_force(const SurfaceTriangle& t, const Vec3d& point, double s, const std::vector<Node>& rule, int level) {
+Vec4d brute_force(const SurfaceTriangle& t, const Vec3d& point, double s, const std::vector<Node>& rule,
+                  int level) {
   if (level > 0) {
     Vec4d sum = Vec4d::Zero();
     const auto mid = [](const auto& v, int i, int j) {
@@ -84,7 +86,8 @@ Vec4d brute_force(const SurfaceTriangle& t, const Vec3d& point, double s, const 
   return sum;
 }
 
-// The reference's own error: its difference from a coarser rule on the same parts, which bounds it generously.
+// The reference's own error: its difference from a coarser rule on the same parts, which bounds it
+// generously.
 TEST(ExactTriangle, EqualsBruteForceOnRandomTriangles) {
   std::mt19937_64 generator(7);
   const std::vector<Node> fine = gauss_legendre(30);
@@ -102,9 +105,11 @@ TEST(ExactTriangle, EqualsBruteForceOnRandomTriangles) {
       point = b[0] * triangle.corners_mm[0] + b[1] * triangle.corners_mm[1] + b[2] * triangle.corners_mm[2];
     }
     const Vec4d expected = brute_force(triangle, point, s, fine, 3);
-    const double reference_error = (expected - brute_force(triangle, point, s, coarse, 3)).cwiseAbs().maxCoeff();
+    const double reference_error =
+        (expected - brute_force(triangle, point, s, coarse, 3)).cwiseAbs().maxCoeff();
     const Vec4d value = convolve_triangle_exact(triangle, point, {s});
-    EXPECT_LT((value - expected).cwiseAbs().maxCoeff(), 1e-11 + reference_error) << "triangle " << i << " s " << s;
+    EXPECT_LT((value - expected).cwiseAbs().maxCoeff(), 1e-11 + reference_error)
+        << "triangle " << i << " s " << s;
   }
 }
 
@@ -117,7 +122,9 @@ TEST(ExactTriangle, OrderOfCornersDoesNotMatter) {
                                   0};
     const Vec3d point = random_vec(generator, 2.0);
     const TruthLayer layer{0.8, i % 2 == 0 ? 1.5 : std::numeric_limits<double>::infinity()};
-    EXPECT_LT((convolve_triangle_exact(t, point, layer) - convolve_triangle_exact(flipped, point, layer)).norm(), 1e-12);
+    EXPECT_LT(
+        (convolve_triangle_exact(t, point, layer) - convolve_triangle_exact(flipped, point, layer)).norm(),
+        1e-12);
   }
 }
 
@@ -141,7 +148,8 @@ TEST(ExactTriangle, CutOffIsAdditiveOverSubdivision) {
 }
 
 TEST(ExactTriangle, WithoutAreaIsZero) {
-  const SurfaceTriangle line{{Vec3d(0, 0, 0), Vec3d(1, 0, 0), Vec3d(2, 0, 0)}, {Vec3d::Ones(), Vec3d::Ones(), Vec3d::Ones()}, 0};
+  const SurfaceTriangle line{
+      {Vec3d(0, 0, 0), Vec3d(1, 0, 0), Vec3d(2, 0, 0)}, {Vec3d::Ones(), Vec3d::Ones(), Vec3d::Ones()}, 0};
   EXPECT_EQ(convolve_triangle_exact(line, Vec3d(0.5, 0.1, 0.0), {1.0}), Vec4d::Zero());
 }
 
@@ -157,7 +165,8 @@ TEST(ExactEngine, StaysInItsComponent) {
     if (t.component == 0) even.triangles.push_back(t);
   }
   const SurfacePoint point{Vec3d(0.1, 0.2, 0.3), 0};
-  EXPECT_LT((ExactEngine(surface).convolve(point, {1.0}) - ExactEngine(even).convolve(point, {1.0})).norm(), 1e-14);
+  EXPECT_LT((ExactEngine(surface).convolve(point, {1.0}) - ExactEngine(even).convolve(point, {1.0})).norm(),
+            1e-14);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ std::vector<SurfacePoint> random_points(const Surface& surface, std::size_t coun
   for (std::size_t i = 0; i < count; ++i) {
     const SurfaceTriangle& t = surface.triangles[generator() % surface.triangles.size()];
     Vec3d b(uniform(generator), uniform(generator), uniform(generator));
-    if (i % 5 == 0) b[static_cast<Eigen::Index>(i % 3)] = 0.0;         // on an edge
+    if (i % 5 == 0) b[static_cast<Eigen::Index>(i % 3)] = 0.0;           // on an edge
     if (i % 11 == 0) b = Vec3d::Unit(static_cast<Eigen::Index>(i % 3));  // on a vertex
     b /= b.sum();
     points.push_back({b[0] * t.corners_mm[0] + b[1] * t.corners_mm[1] + b[2] * t.corners_mm[2], t.component});
@@ -50,7 +50,8 @@ std::vector<SurfacePoint> random_points(const Surface& surface, std::size_t coun
 }
 
 const std::vector<TruthLayer>& layers() {
-  static const std::vector<TruthLayer> all = {{0.08}, {0.22}, {0.75}, {1.5166}, {2.72}, {1.0488, 4.5}, {1.5166, 4.5}, {2.72, 8.1663}};
+  static const std::vector<TruthLayer> all = {{0.08}, {0.22},        {0.75},        {1.5166},
+                                              {2.72}, {1.0488, 4.5}, {1.5166, 4.5}, {2.72, 8.1663}};
   return all;
 }
 
@@ -66,7 +67,8 @@ TEST_P(FastAgainstExact, HoldsItsTolerance) {
     for (std::size_t l = 0; l < layers().size(); ++l) {
       for (std::size_t i = 0; i < points.size(); ++i) {
         EXPECT_LE((fast[l][i] - exact[l][i]).head<3>().cwiseAbs().maxCoeff(), tolerance * largest)
-            << "s " << layers()[l].std_dev_mm << " r_max " << layers()[l].r_max_mm << " tolerance " << tolerance;
+            << "s " << layers()[l].std_dev_mm << " r_max " << layers()[l].r_max_mm << " tolerance "
+            << tolerance;
         EXPECT_LE(std::abs(fast[l][i][3] - exact[l][i][3]), tolerance);
       }
     }
@@ -115,7 +117,8 @@ TEST(Audit, FindsAWrongValue) {
   values[0][7][1] += 2e-4 * surface.largest_irradiance();
   const Certificate bad = audit(surface, points, layer, values, 1e-4, engine.tail_bound(), all, 5);
   EXPECT_FALSE(bad.passed());
-  // The value is off by 2e-4, the engine by at most 1e-4; normalising may double it where the mass is one half.
+  // The value is off by 2e-4, the engine by at most 1e-4; normalising may double it where the mass is one
+  // half.
   EXPECT_GE(bad.max_error, 1e-4);
   EXPECT_LE(bad.max_error, 2.0 * 3e-4);
 }
@@ -155,14 +158,16 @@ TEST(TriangleRules, RemainderBoundsEveryShape) {
         return (b[0] * corner[0] + b[1] * corner[1] + b[2] * corner[2] - centroid).norm() / radius;
       };
       double sum = 0.0;
-      for (const TriangleNode& node : rule.nodes) sum += node.weight * std::pow(rho(node.barycentric), rule.degree);
+      for (const TriangleNode& node : rule.nodes)
+        sum += node.weight * std::pow(rho(node.barycentric), rule.degree);
       // The exact mean by midpoints of n^2 parts: O(n^-2) of a value below 1, 1e-4 for n = 40.
       const int n = 40;
       double mean = 0.0;
       for (int a = 0; a < n; ++a) {
         for (int b = 0; a + b < n; ++b) {
           mean += std::pow(rho(Vec3d(a + 1.0 / 3, b + 1.0 / 3, n - a - b - 2.0 / 3) / n), rule.degree);
-          if (a + b + 1 < n) mean += std::pow(rho(Vec3d(a + 2.0 / 3, b + 2.0 / 3, n - a - b - 4.0 / 3) / n), rule.degree);
+          if (a + b + 1 < n)
+            mean += std::pow(rho(Vec3d(a + 2.0 / 3, b + 2.0 / 3, n - a - b - 4.0 / 3) / n), rule.degree);
         }
       }
       largest = std::max(largest, sum + mean / (n * n));

@@ -12,7 +12,8 @@ PreparedMethod prepare(const MethodInputs& inputs) {
     ScreenResult screen;
     PassProgram blur;
   };
-  const auto state = std::make_shared<State>(State{ScreenResult(inputs), PassProgram(inputs.context, "blur2d/blur2d.frag")});
+  const auto state =
+      std::make_shared<State>(State{ScreenResult(inputs), PassProgram(inputs.context, "blur2d/blur2d.frag")});
   const Frame& frame = inputs.frame;
   const double px_per_mm =
       inputs.median_skin_depth_mm > 0.0 ? frame.camera.focal_px() / inputs.median_skin_depth_mm : 0.0;

@@ -15,8 +15,8 @@ double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
 
 double normal_density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi); }
 
-// Inverse of normal_cdf by bisection: a few dozen values per run, so plainness beats speed. Symmetric, so that
-// taps mirror each other exactly.
+// Inverse of normal_cdf by bisection: a few dozen values per run, so plainness beats speed. Symmetric, so
+// that taps mirror each other exactly.
 double normal_quantile(double probability) {
   if (probability <= 0.0) return -std::numeric_limits<double>::infinity();
   if (probability >= 1.0) return std::numeric_limits<double>::infinity();
@@ -101,8 +101,9 @@ std::vector<GaussianTap> equal_probability_taps(int count, const Vec3d& std_dev_
     const double low = normal_quantile(static_cast<double>(i) / count);
     const double high = normal_quantile(static_cast<double>(i + 1) / count);
     // Centroid of a bin: the integral of x times the density, over the bin's mass 1/count.
-    const double middle = placement == TapPlacement::median ? normal_quantile((i + 0.5) / count)
-                                                            : count * (normal_density(low) - normal_density(high));
+    const double middle = placement == TapPlacement::median
+                              ? normal_quantile((i + 0.5) / count)
+                              : count * (normal_density(low) - normal_density(high));
     GaussianTap tap{middle * std_dev_mm.x(), Vec3d::Zero()};
     for (int c = 0; c < 3; ++c) {
       const double ratio = std_dev_mm.x() / std_dev_mm[c];
@@ -118,8 +119,9 @@ Method pscbf_method() {
   method.name = "pscbf";
   method.title = "Pseudo-separable cross bilateral filter";
   method.source = "Mikkelsen 2010, section 5";
-  method.settings = {{"taps", "taps per axis", 13.0, 1.0, kMaxTaps, true},
-                     {"placement", "where in its bin a tap lies", 0.0, 0.0, 0.0, false, {"median", "centroid"}}};
+  method.settings = {
+      {"taps", "taps per axis", 13.0, 1.0, kMaxTaps, true},
+      {"placement", "where in its bin a tap lies", 0.0, 0.0, 0.0, false, {"median", "centroid"}}};
   method.own_target = [](const Profile& profile, const Settings&) {
     return OwnTarget{false, true, profile.r_max_mm};
   };

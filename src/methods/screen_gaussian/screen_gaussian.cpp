@@ -66,7 +66,8 @@ Method screen_gaussian_method() {
   method.title = "Screen-space Gaussian";
   method.source = "Jimenez et al. 2009";
   method.settings = {
-      {"slope_beta", "how much the width shrinks with the depth's gradient, in focal lengths", 1.0, 0.0, 100.0},
+      {"slope_beta", "how much the width shrinks with the depth's gradient, in focal lengths", 1.0, 0.0,
+       100.0},
       {"max_gradient_mm", "bound on the depth's gradient in mm per pixel; 0: none", 0.0, 0.0, 1e6}};
   method.own_target = [](const Profile&, const Settings&) { return OwnTarget{}; };
   method.prepare = prepare;

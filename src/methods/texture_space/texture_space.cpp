@@ -26,17 +26,13 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const SurfaceBuffers& surface = inputs.surface;
   const int size = inputs.settings.whole("texture_size");
   const auto map = [&] { return Target(context, size, size, gpu::Format::rgba32f, gpu::Filter::linear); };
-  const auto state = std::make_shared<State>(State{
-      PassProgram(context, "first.frag"),
-      PassProgram(context, "texture_space/uv_irradiance.vert", "texture_space/uv_irradiance.frag", {}),
-      PassProgram(context, "texture_space/uv_irradiance.vert", "texture_space/uv_stretch.frag", {}),
-      PassProgram(context, "texture_space/texture_space.frag"),
-      PassProgram(context, "texture_space/gather.frag"),
-      map(),
-      map(),
-      map(),
-      map(),
-      Target(context, frame.camera.width_px, frame.camera.height_px, gpu::Format::rgba32f)});
+  const auto state = std::make_shared<State>(
+      State{PassProgram(context, "first.frag"),
+            PassProgram(context, "texture_space/uv_irradiance.vert", "texture_space/uv_irradiance.frag", {}),
+            PassProgram(context, "texture_space/uv_irradiance.vert", "texture_space/uv_stretch.frag", {}),
+            PassProgram(context, "texture_space/texture_space.frag"),
+            PassProgram(context, "texture_space/gather.frag"), map(), map(), map(), map(),
+            Target(context, frame.camera.width_px, frame.camera.height_px, gpu::Format::rgba32f)});
   const double mean_texels_per_mm =
       inputs.settings.word("stretch") == "off" ? size / surface.mean_mm_per_uv_unit() : 0.0;
   const std::vector<GaussianLevel> levels = gaussian_levels(inputs.profile);
@@ -44,9 +40,11 @@ PreparedMethod prepare(const MethodInputs& inputs) {
 
   const auto render = [=, &frame, &surface](Passes& passes) {
     const auto draw_surface = [&] { surface.draw(); };
-    passes.draw_geometry(state->uv_irradiance, state->irradiance, [](const gpu::Program&) {}, draw_surface);
+    passes.draw_geometry(
+        state->uv_irradiance, state->irradiance, [](const gpu::Program&) {}, draw_surface);
     if (mean_texels_per_mm == 0.0) {
-      passes.draw_geometry(state->uv_stretch, state->stretch, [](const gpu::Program&) {}, draw_surface);
+      passes.draw_geometry(
+          state->uv_stretch, state->stretch, [](const gpu::Program&) {}, draw_surface);
     }
     passes.draw(state->first, state->result, [&](const gpu::Program& program) {
       program.set("irradiance", frame.irradiance, 0);
