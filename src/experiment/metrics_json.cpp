@@ -53,13 +53,13 @@ json all_halos_json(const Image& test, const MetricInputs& in, Quantity quantity
   return halo;
 }
 
+}  // namespace
+
 Image exposed(const Image& image, double exposure) {
   Image result = image;
   for (float& v : result.data()) v *= static_cast<float>(exposure);
   return result;
 }
-
-}  // namespace
 
 void put_number(json& object, const std::string& key, double value, const std::string& reason) {
   if (std::isfinite(value)) {
@@ -86,7 +86,7 @@ json metrics_json(const Image& test, const MetricInputs& inputs) {
   for (const Quantity quantity : {Quantity::red, Quantity::green, Quantity::blue}) {
     metrics["channels"][std::string(name_of(quantity))]["halo"] = all_halos_json(test, inputs, quantity);
   }
-  const Image flip = flip_map(exposed(inputs.truth, inputs.exposure), exposed(test, inputs.exposure));
+  const Image flip = inputs.flip.map(exposed(test, inputs.exposure));
   put_number(metrics, "flip", mean_inside(flip, inputs.mask), "no pixel to measure");
   return metrics;
 }

@@ -5,6 +5,7 @@
 
 #include "core/image.h"
 #include "metrics/contours.h"
+#include "metrics/flip.h"
 #include "metrics/halo.h"
 
 namespace truescatter {
@@ -13,6 +14,9 @@ namespace truescatter {
 // JSON.
 void put_number(nlohmann::json& object, const std::string& key, double value, const std::string& reason);
 
+// A picture times a factor.
+Image exposed(const Image& image, double exposure);
+
 // What a picture is measured against.
 struct MetricInputs {
   const Image& truth;
@@ -20,7 +24,8 @@ struct MetricInputs {
   const ContourMap& contours;
   double widest_std_dev_mm;
   double mm_per_px;
-  double exposure;  // for FLIP: what turns the brightest irradiance into the display's white
+  const FlipReference& flip;  // of exposed(truth, exposure)
+  double exposure;            // for FLIP: what turns the brightest irradiance into the display's white
 };
 
 // The `metrics` object of results.json: luminance at the top, r, g, b under `channels` (DESIGN section 4).

@@ -1,12 +1,15 @@
 #include "experiment/run_experiment.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <functional>
 #include <list>
 #include <optional>
 
 #include "core/file.h"
 #include "core/image_io.h"
+#include "core/parallel.h"
 #include "core/progress.h"
 #include "experiment/metrics_json.h"
 #include "experiment/plan.h"
@@ -256,8 +259,9 @@ class ViewRunner {
     results_["truths"].push_back(truth_json(name_, profile, OwnTarget{}, headline, truth_.point_count()));
     const std::string stem = name_ + "." + profile.name;
     const Image mask = measured_mask(images_.mask, headline.smallest_mass);
+    const FlipReference flip(exposed(headline.rgb, setup_.exposure()));
     for (const PlannedMethod& m : setup_.plan.methods) {
-      measure_method(profile, m, headline, mask);
+      measure_method(profile, m, headline, flip, mask);
       progress.advance();
     }
     json& truth = results_["truths"][headline_index(profile)];
@@ -278,7 +282,7 @@ class ViewRunner {
   }
 
   void measure_method(const Profile& profile, const PlannedMethod& planned, const TruthImage& headline,
-                      const Image& mask) {
+                      const FlipReference& flip, const Image& mask) {
     const Method& method = *planned.method;
     json run = {{"scene", setup_.spec.scene.mesh},
                 {"view", name_},
@@ -300,7 +304,7 @@ class ViewRunner {
     run["cost"] = measured.cost;
     run["metrics"] = metrics_json(
         measured.exitance,
-        {headline.rgb, mask, contours_, profile.widest_std_dev_mm(), mm_per_px(), setup_.exposure()});
+        {headline.rgb, mask, contours_, profile.widest_std_dev_mm(), mm_per_px(), flip, setup_.exposure()});
     // Below the truth's uncertainty nothing can be told from the truth.
     const double uncertainty = headline.certificate.uncertainty() * setup_.scene.largest_irradiance;
     run["distinguishable"] = run["metrics"]["rmse"].get<double>() > uncertainty;
@@ -365,24 +369,40 @@ double common_range(const json& results) {
   return *middle > 0.0 ? round_range(*middle) : 1.0;
 }
 
-void write_view(const PendingView& view, const std::filesystem::path& maps, double range, double exposure,
-                Progress& progress) {
-  write_png(maps / (view.name + ".irradiance.png"), display_picture(view.irradiance, exposure));
+using Job = std::function<void()>;
+
+// What has to be written for one view; each job is one file.
+void add_jobs(const PendingView& view, const std::filesystem::path& maps, double range, double exposure,
+              std::vector<Job>& jobs) {
+  jobs.emplace_back([&view, maps, exposure] {
+    write_png(maps / (view.name + ".irradiance.png"), display_picture(view.irradiance, exposure));
+  });
   for (const PendingTruth& truth : view.truths) {
-    write_png(maps / (truth.stem + ".png"), display_picture(truth.rgb, exposure));
-    write_exr(
-        maps / (truth.stem + ".exr"),
-        {{"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &view.irradiance}, {"mask", &view.mask}});
-    progress.advance();
+    jobs.emplace_back([&truth, maps, exposure] {
+      write_png(maps / (truth.stem + ".png"), display_picture(truth.rgb, exposure));
+    });
+    jobs.emplace_back([&view, &truth, maps] {
+      write_exr(
+          maps / (truth.stem + ".exr"),
+          {{"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &view.irradiance}, {"mask", &view.mask}});
+    });
   }
   for (const PendingRun& run : view.runs) {
-    write_png(maps / (run.stem + ".png"), display_picture(run.exitance, exposure));
-    write_png(maps / (run.stem + ".abs.png"),
-              map_picture(run.error, view.measured, MapKind::magnitude, range, "|ERROR| LUMINANCE"));
-    write_png(maps / (run.stem + ".signed.png"),
-              map_picture(run.error, view.measured, MapKind::signed_error, range, "ERROR LUMINANCE"));
-    write_exr(maps / (run.stem + ".exr"), {{"", &run.exitance}, {"error", &run.error}, {"mask", &view.mask}});
-    progress.advance();
+    jobs.emplace_back([&run, maps, exposure] {
+      write_png(maps / (run.stem + ".png"), display_picture(run.exitance, exposure));
+    });
+    jobs.emplace_back([&view, &run, maps, range] {
+      write_png(maps / (run.stem + ".abs.png"),
+                map_picture(run.error, view.measured, MapKind::magnitude, range, "|ERROR| LUMINANCE"));
+    });
+    jobs.emplace_back([&view, &run, maps, range] {
+      write_png(maps / (run.stem + ".signed.png"),
+                map_picture(run.error, view.measured, MapKind::signed_error, range, "ERROR LUMINANCE"));
+    });
+    jobs.emplace_back([&view, &run, maps] {
+      write_exr(maps / (run.stem + ".exr"),
+                {{"", &run.exitance}, {"error", &run.error}, {"mask", &view.mask}});
+    });
   }
 }
 
@@ -422,11 +442,14 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   std::error_code failure;
   std::filesystem::create_directories(maps, failure);
   if (failure) throw_run_error("{}: cannot make this folder: {}", maps.string(), failure.message());
-  std::size_t pictures = 0;
-  for (const PendingView& view : views) pictures += view.truths.size() + view.runs.size();
+  std::vector<Job> jobs;
+  for (const PendingView& view : views) add_jobs(view, maps, range, setup.exposure(), jobs);
   {
-    Progress progress("maps", pictures);
-    for (const PendingView& view : views) write_view(view, maps, range, setup.exposure(), progress);
+    Progress progress("maps", jobs.size());
+    parallel_for(jobs.size(), [&](std::size_t i) {
+      jobs[i]();
+      progress.advance();
+    });
   }
   write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
   write_text_file(folder / "results.csv", results_csv(results));

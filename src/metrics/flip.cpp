@@ -197,21 +197,45 @@ double remapped_color_difference(const Vec3d& a, const Vec3d& b) {
 
 }  // namespace
 
-Image flip_map(const Image& reference, const Image& test, double pixels_per_degree) {
-  assert(reference.width() == test.width() && reference.height() == test.height());
+struct FlipReference::Perception {
+  Size size;
+  double pixels_per_degree;
+  Perceived perceived;
+};
+
+FlipReference::FlipReference(const Image& reference, double pixels_per_degree) {
   const Size size{reference.width(), reference.height()};
-  const Perceived a = perceive(reference, size, pixels_per_degree);
-  const Perceived b = perceive(test, size, pixels_per_degree);
+  perception_ = std::make_unique<Perception>(
+      Perception{size, pixels_per_degree, perceive(reference, size, pixels_per_degree)});
+}
+
+FlipReference::~FlipReference() = default;
+FlipReference::FlipReference(FlipReference&&) noexcept = default;
+FlipReference& FlipReference::operator=(FlipReference&&) noexcept = default;
+
+Image FlipReference::map(const Image& test) const {
+  const Size& size = perception_->size;
+  assert(test.width() == size.width && test.height() == size.height);
+  const Perceived& a = perception_->perceived;
+  const Perceived b = perceive(test, size, perception_->pixels_per_degree);
   const auto lab = [](const Perceived& p, std::size_t i) {
     return hunt_lab_from_rgb(clipped(rgb_from_ycxcz({p.ycxcz[0][i], p.ycxcz[1][i], p.ycxcz[2][i]})));
   };
   Image map(size.width, size.height, 1);
-  for (std::size_t i = 0; i < size.count(); ++i) {
-    const double color = remapped_color_difference(lab(a, i), lab(b, i));
-    const double feature = std::max(std::abs(a.edge[i] - b.edge[i]), std::abs(a.point[i] - b.point[i]));
-    map.data()[i] = static_cast<float>(std::pow(color, 1.0 - std::sqrt(feature / std::sqrt(2.0))));
-  }
+  parallel_for(static_cast<std::size_t>(size.height), [&](std::size_t row) {
+    const std::size_t first = row * static_cast<std::size_t>(size.width);
+    for (std::size_t i = first; i < first + static_cast<std::size_t>(size.width); ++i) {
+      const double color = remapped_color_difference(lab(a, i), lab(b, i));
+      const double feature = std::max(std::abs(a.edge[i] - b.edge[i]), std::abs(a.point[i] - b.point[i]));
+      map.data()[i] = static_cast<float>(std::pow(color, 1.0 - std::sqrt(feature / std::sqrt(2.0))));
+    }
+  });
   return map;
+}
+
+Image flip_map(const Image& reference, const Image& test, double pixels_per_degree) {
+  assert(reference.width() == test.width() && reference.height() == test.height());
+  return FlipReference(reference, pixels_per_degree).map(test);
 }
 
 double mean_inside(const Image& map, const Image& mask) {
