@@ -3,7 +3,8 @@
 // Source: the comparison of Mikkelsen 2010, figure 3(a).
 // Width: std_dev_px = s * focal_px / (median depth of the view's skin), the same at every pixel.
 // Taps: every pixel within 4 std_dev_px, weight exp(-i^2 / 2 std_dev_px^2), normalised over the taps.
-//       No mask and no depth: the background is 0 and bleeds in, skin bleeds out.
+//       No mask and no depth: the background is 0 and bleeds in, skin bleeds out. Taps beyond the frame are
+//       dropped: what lies there is not known, and its loss would be the crop's error, not the method's.
 // Fails: at silhouettes (dark rim inside, the halo), across depth gaps (leak), on slopes (too wide along
 //       the slope), away from the median depth (too wide nearer, too narrow farther... by the ratio of depths).
 //
@@ -26,13 +27,16 @@ void main() {
   float weights = 1.0;
   for (int i = 1; i <= radius; ++i) {
     float w = exp(float(i * i) * factor);
-    weights += 2.0 * w;  // beyond the frame is background: 0, and it counts
     ivec2 left = p - i * direction;
     ivec2 right = p + i * direction;
-    vec3 pair = vec3(0.0);
-    if (inside(left, size)) pair += read_texel(source, left).rgb;
-    if (inside(right, size)) pair += read_texel(source, right).rgb;
-    sum += w * pair;
+    if (inside(left, size)) {
+      sum += w * read_texel(source, left).rgb;
+      weights += w;
+    }
+    if (inside(right, size)) {
+      sum += w * read_texel(source, right).rgb;
+      weights += w;
+    }
   }
   result = vec4(sum / weights, center.a);
   WRITE_COUNTS;
