@@ -46,7 +46,9 @@ function isCertified(truth) {
 function certificatePanel() {
   const largest = worst("certificate.max_error"), tolerance = worst("certificate.tolerance");
   const failed = truths.some((truth) => !isCertified(truth));
-  const audited = truths.reduce((sum, truth) => sum + (lookUp(truth, "certificate.audited").value || 0), 0);
+  // The truths of one view are audited at the same pixels: each view counts once.
+  const auditedInView = new Map(truths.map((truth) => [truth.view, lookUp(truth, "certificate.audited").value || 0]));
+  const audited = [...auditedInView.values()].reduce((sum, pixels) => sum + pixels, 0);
   const residual = (results.scene || {}).irradiance_residual || {};
   const row = (name, value, note) =>
       [h("dt", {}, name), h("dd", {}, h("b", {}, value), note && h("span", {class: "muted"}, " " + note))];
