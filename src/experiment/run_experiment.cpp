@@ -307,7 +307,9 @@ class ViewRunner {
         {headline.rgb, mask, contours_, profile.widest_std_dev_mm(), mm_per_px(), flip, setup_.exposure()});
     // Below the truth's uncertainty nothing can be told from the truth.
     const double uncertainty = headline.certificate.uncertainty() * setup_.scene.largest_irradiance;
-    run["distinguishable"] = run["metrics"]["rmse"].get<double>() > uncertainty;
+    const json& rmse = run["metrics"]["rmse"];
+    run["distinguishable"] = rmse.is_number() ? json(rmse.get<double>() > uncertainty) : json();
+    if (!rmse.is_number()) run["distinguishable_reason"] = "no pixel to measure";
     add_own_target(run, profile, planned, headline, measured.exitance, mask);
     const std::string stem = name_ + "." + profile.name + "." + planned.label;
     run["files"] = {{"picture", "maps/" + stem + ".png"},

@@ -21,16 +21,41 @@ double irradiance_contrast(const ShadingTriangle& triangle) {
   return high - low;
 }
 
-// Indices of the `count` largest scores; ties by index.
-void append_largest(const std::vector<double>& score, std::size_t count, std::vector<std::uint32_t>& out) {
-  std::vector<std::uint32_t> order(score.size());
-  std::iota(order.begin(), order.end(), 0U);
-  count = std::min(count, order.size());
-  std::partial_sort(
-      order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
-      [&](std::uint32_t a, std::uint32_t b) { return score[a] != score[b] ? score[a] > score[b] : a < b; });
-  out.insert(out.end(), order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count));
-}
+// Distinct points, in the order in which they were chosen.
+class Sample {
+ public:
+  explicit Sample(std::size_t population) : taken_(population, 0) {}
+
+  std::size_t size() const { return chosen_.size(); }
+  const std::vector<std::uint32_t>& chosen() const { return chosen_; }
+
+  // Draws until there are `size` (at most the population).
+  void draw_to(std::size_t size, std::mt19937_64& generator) {
+    while (chosen_.size() < size) add(static_cast<std::uint32_t>(generator() % taken_.size()));
+  }
+
+  // The `count` points of the largest scores among those not chosen yet; ties by index.
+  void add_largest(const std::vector<double>& score, std::size_t count) {
+    std::vector<std::uint32_t> order(score.size());
+    std::iota(order.begin(), order.end(), 0U);
+    const std::size_t looked_at = std::min(count + chosen_.size(), order.size());
+    std::partial_sort(
+        order.begin(), order.begin() + static_cast<std::ptrdiff_t>(looked_at), order.end(),
+        [&](std::uint32_t a, std::uint32_t b) { return score[a] != score[b] ? score[a] > score[b] : a < b; });
+    const std::size_t wanted = std::min(chosen_.size() + count, order.size());
+    for (std::size_t i = 0; i < looked_at && chosen_.size() < wanted; ++i) add(order[i]);
+  }
+
+ private:
+  void add(std::uint32_t i) {
+    if (taken_[i] != 0) return;
+    taken_[i] = 1;
+    chosen_.push_back(i);
+  }
+
+  std::vector<char> taken_;
+  std::vector<std::uint32_t> chosen_;
+};
 
 }  // namespace
 
@@ -79,11 +104,9 @@ const ViewTruth::LayerResult& ViewTruth::result_of(const TruthLayer& layer) cons
 // (boundary, mask edge, cut-off).
 std::vector<std::uint32_t> ViewTruth::audited_points(const TruthSpec& spec) const {
   const auto wanted = std::min(static_cast<std::size_t>(spec.audit_points), points_.size());
-  std::vector<std::uint32_t> chosen;
+  Sample sample(points_.size());
   std::mt19937_64 generator(spec.seed);
-  for (std::size_t i = 0; i < (wanted + 1) / 2; ++i) {
-    chosen.push_back(static_cast<std::uint32_t>(generator() % points_.size()));
-  }
+  sample.draw_to((wanted + 1) / 2, generator);
   std::vector<double> crease(points_.size(), 0.0);
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const auto [x, y] = pixels_[i];
@@ -99,11 +122,12 @@ std::vector<std::uint32_t> ViewTruth::audited_points(const TruthSpec& spec) cons
     for (std::size_t i = 0; i < points_.size(); ++i)
       mass[i] = std::max(mass[i], std::abs(1.0 - layer.values[i][3]));
   }
-  const std::size_t each = (wanted / 2 + 2) / 3;
-  append_largest(contrast_, each, chosen);
-  append_largest(crease, each, chosen);
-  append_largest(mass, each, chosen);
-  return chosen;
+  const std::size_t each = wanted / 2 / 3;
+  sample.add_largest(contrast_, each);
+  sample.add_largest(crease, each);
+  sample.add_largest(mass, each);
+  sample.draw_to(wanted, generator);
+  return sample.chosen();
 }
 
 void ViewTruth::compute(const std::vector<Request>& requests, const TruthSpec& spec,

@@ -20,7 +20,8 @@
 // Fails: slopes, for d' at r_max already places taps at surface distance and the depth term counts the
 //   slope again (variance along it s^2 / (1 + sin^2 theta)); the variance lost to N taps (0.907 s^2 for 13
 //   medians); pseudo-separability on curved surfaces; taps below a pixel (nearest sampling rounds them);
-//   light that arrives from hidden surface.
+//   light that arrives from hidden surface, and thin parts (an ear's truth loses light to its dark back, or
+//   gains it from a lit one: the filter sees the front alone).
 //
 // Limits. Constant: normalised, so to float rounding, 1e-6. Identity: once the outermost tap lies within half
 // a pixel, every tap reads the centre: exactly the identity (to rounding, 1e-6). Mirror: taps are symmetric

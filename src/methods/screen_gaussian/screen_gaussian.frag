@@ -12,8 +12,10 @@
 //           the width falls as 1 / (1 + slope_beta tan(theta)); the true factor is cos(theta).
 //   max_gradient  a constant in the source's depth units; ours is max_gradient_mm, per pixel, 0 for no bound.
 // Fails: halo at silhouettes (the background is 0 and bleeds in), leak across depth gaps, slopes (the factor
-//   above is not the cosine: half of it at 45 degrees for a one-sided tangent of 1), and where two pixels of
+//   above is not the cosine: at 45 degrees 1 / (1 + 1) = 0.5 against 0.71), and where two pixels of
 //   a 2 x 2 block lie on different surfaces (a derivative across the gap: width near 0).
+//
+// Taps beyond the frame read its border again (clamped), as the source's sampler does.
 //
 // Limits. Constant: the weights sum to 1 to 1e-7, so to float rounding where all taps lie on lit surface.
 // Identity: taps at 3 s px read bilinearly, so the error is <= 2 * (.006*3 + .061*2 + .242) s_px = 0.76 s_px
