@@ -256,6 +256,22 @@ LayerPlan<Scalar> plan_layer(const Surface& surface, const std::vector<TriangleB
   return plan;
 }
 
+// Reorders `ids` so that the points before the returned index lie before the others along the box's longest
+// axis; ties by index, so that the cut depends on the points alone.
+std::size_t split_at_median(std::span<const SurfacePoint> points, const Eigen::AlignedBox3d& box,
+                            std::span<std::uint32_t> ids) {
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  const std::size_t half = ids.size() / 2;
+  std::nth_element(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(half), ids.end(),
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     const double ca = points[a].position_mm[axis];
+                     const double cb = points[b].position_mm[axis];
+                     return ca != cb ? ca < cb : a < b;
+                   });
+  return half;
+}
+
 template <typename Scalar>
 class ClusterWorker {
  public:
@@ -271,15 +287,7 @@ class ClusterWorker {
     for (const std::uint32_t id : ids) box.extend(points_[id].position_mm);
     const double radius_mm = 0.5 * box.diagonal().norm();
     if (radius_mm > kClusterRadius * plan.reach_mm && ids.size() > 1) {
-      Eigen::Index axis = 0;
-      box.sizes().maxCoeff(&axis);
-      const std::size_t half = ids.size() / 2;
-      std::nth_element(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(half), ids.end(),
-                       [&](std::uint32_t a, std::uint32_t b) {
-                         const double ca = points_[a].position_mm[axis];
-                         const double cb = points_[b].position_mm[axis];
-                         return ca != cb ? ca < cb : a < b;
-                       });
+      const std::size_t half = split_at_median(points_, box, ids);
       process(ids.first(half), plan, out);
       process(ids.subspan(half), plan, out);
       return;
@@ -385,15 +393,7 @@ void cut_into_tasks(std::span<const SurfacePoint> points, std::span<std::uint32_
   }
   Eigen::AlignedBox3d box;
   for (const std::uint32_t id : ids) box.extend(points[id].position_mm);
-  Eigen::Index axis = 0;
-  box.sizes().maxCoeff(&axis);
-  const std::size_t half = ids.size() / 2;
-  std::nth_element(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(half), ids.end(),
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     const double ca = points[a].position_mm[axis];
-                     const double cb = points[b].position_mm[axis];
-                     return ca != cb ? ca < cb : a < b;
-                   });
+  const std::size_t half = split_at_median(points, box, ids);
   cut_into_tasks(points, ids.first(half), tasks);
   cut_into_tasks(points, ids.subspan(half), tasks);
 }

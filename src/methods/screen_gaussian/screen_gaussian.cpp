@@ -12,13 +12,11 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   struct State {
     ScreenResult screen;
     PassProgram blur;
-    PassProgram copy;
     Target linear_irradiance;  // the frame's irradiance again, readable with a linear filter
   };
   const Frame& frame = inputs.frame;
   const auto state = std::make_shared<State>(
       State{ScreenResult(inputs), PassProgram(inputs.context, "screen_gaussian/screen_gaussian.frag"),
-            PassProgram(inputs.context, "first.frag"),
             Target(inputs.context, frame.camera.width_px, frame.camera.height_px, gpu::Format::rgba32f,
                    gpu::Filter::linear)});
   const std::vector<GaussianLevel> levels = gaussian_levels(inputs.profile);
@@ -29,7 +27,7 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const auto render = [=, &frame](Passes& passes) {
     const ScreenResult& screen = state->screen;
     screen.start(passes, frame, delta_weight);
-    passes.draw(state->copy, state->linear_irradiance, [&](const gpu::Program& program) {
+    passes.draw(screen.first, state->linear_irradiance, [&](const gpu::Program& program) {
       program.set("irradiance", frame.irradiance, 0);
       program.set("delta_weight", Vec3d(1.0, 1.0, 1.0));
     });
