@@ -8,24 +8,17 @@
 
 #include "core/parallel.h"
 #include "truth/exact.h"
-#include "truth/triangle_rules.h"
+#include "truth/gauss_grid.h"
+#include "truth/quadrature.h"
 
 namespace truescatter {
 namespace {
 
 constexpr double kTailShare = 0.1;        // of the tolerance
 constexpr double kQuadratureShare = 0.6;  // of the tolerance
-constexpr int kMaxSplit = 6;  // a triangle is split into at most 36 before the closed form is cheaper
-constexpr double kClusterRadius = 0.25;  // of the search radius: larger clusters are split
+constexpr double kGridShare = 0.1;        // of the tolerance
+constexpr double kClusterRadius = 0.25;   // of the search radius: larger clusters are split
 constexpr std::size_t kTaskPoints = 1024;
-
-// Farthest corner from the centroid.
-double centroid_radius(const SurfaceTriangle& triangle) {
-  const Vec3d centroid = triangle.centroid_mm();
-  double radius = 0.0;
-  for (const Vec3d& corner : triangle.corners_mm) radius = std::max(radius, (corner - centroid).norm());
-  return radius;
-}
 
 // The integrals along a piece of an edge by Gauss-Legendre quadrature with 6 nodes where that is accurate to
 // about 1e-7, else in closed form. The integrand's poles lie at t = +-ip: with half the piece's length a at
@@ -69,41 +62,6 @@ Vec4d convolve_triangle_fast(const SurfaceTriangle& triangle, const Vec3d& point
 struct TriangleBounds {
   Vec3d centroid_mm;
   double radius_mm;
-};
-
-struct Split {
-  const TriangleRule* rule = nullptr;  // null: the closed form is cheaper
-  int parts = 1;                       // per edge
-};
-
-// Largest x for each rule such that C_d x^d / sqrt(d!) <= budget.
-class RuleChooser {
- public:
-  explicit RuleChooser(double budget) {
-    for (const TriangleRule& rule : triangle_rules()) {
-      const double root_factorial = std::sqrt(std::tgamma(rule.degree + 1.0));
-      limits_.push_back(std::pow(budget * root_factorial / rule.remainder, 1.0 / rule.degree));
-    }
-  }
-
-  Split choose(double radius_in_std_devs) const {
-    Split best;
-    std::size_t best_nodes = std::numeric_limits<std::size_t>::max();
-    const std::span<const TriangleRule> rules = triangle_rules();
-    for (std::size_t r = 0; r < rules.size(); ++r) {
-      const auto parts = static_cast<int>(std::ceil(std::max(1.0, radius_in_std_devs / limits_[r])));
-      const std::size_t nodes =
-          rules[r].nodes.size() * static_cast<std::size_t>(parts) * static_cast<std::size_t>(parts);
-      if (parts <= kMaxSplit && nodes < best_nodes) {
-        best = {&rules[r], parts};
-        best_nodes = nodes;
-      }
-    }
-    return best;
-  }
-
- private:
-  std::vector<double> limits_;
 };
 
 // Quadrature nodes of a cluster, relative to its centre so that single precision does not lose digits.
@@ -151,37 +109,13 @@ struct NodeList {
   }
 };
 
-Vec3d at(const std::array<Vec3d, 3>& values, const Vec3d& barycentric) {
-  return barycentric.x() * values[0] + barycentric.y() * values[1] + barycentric.z() * values[2];
-}
-
-// The nodes of each part of a uniformly split triangle, relative to `center`; parts that `keep` refuses (by
-// their middle and radius) are left out.
+// Appends the nodes of a triangle, relative to `center`; parts that `keep` refuses are left out.
 template <typename Scalar, typename Keep>
 void add_nodes(const SurfaceTriangle& triangle, const Split& split, const Vec3d& center, const Keep& keep,
                NodeList<Scalar>& list) {
-  const int n = split.parts;
-  const double part_area = triangle.area_mm2() / (n * n);
-  const double part_radius = centroid_radius(triangle) / n;
-  const auto corner = [&](int i, int j) { return Vec3d(Vec3d(n - i - j, i, j) / n); };
-  const auto add_part = [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    const std::array<Vec3d, 3> corners = {at(triangle.corners_mm, a), at(triangle.corners_mm, b),
-                                          at(triangle.corners_mm, c)};
-    if (!keep((corners[0] + corners[1] + corners[2]) / 3.0, part_radius)) return;
-    const std::array<Vec3d, 3> irradiance = {at(triangle.irradiance, a), at(triangle.irradiance, b),
-                                             at(triangle.irradiance, c)};
-    std::size_t i = list.grow(split.rule->nodes.size());
-    for (const TriangleNode& node : split.rule->nodes) {
-      list.set(i++, at(corners, node.barycentric) - center, at(irradiance, node.barycentric),
-               node.weight * part_area);
-    }
-  };
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; i + j < n; ++j) {
-      add_part(corner(i, j), corner(i + 1, j), corner(i, j + 1));
-      if (i + j + 1 < n) add_part(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
-    }
-  }
+  for_each_node(triangle, split, keep, [&](const Vec3d& position, const Vec3d& irradiance, double area) {
+    list.set(list.grow(1), position - center, irradiance, area);
+  });
 }
 
 // sum over nodes [begin, end) of weight * exp(-|x - point|^2 / 2s^2), in blocks that stay in the cache.
@@ -222,30 +156,32 @@ struct LayerPlan {
   double reach_mm;           // search radius
   bool cut;                  // the cut-off lies inside the search radius
   std::vector<Split> split;  // per triangle
-  std::vector<std::size_t>
-      node_begin;  // per triangle, and one more: nodes that are kept, in world coordinates
+  // Per triangle, and one more: nodes that are kept, in world coordinates. Empty until keep_nodes.
+  std::vector<std::size_t> node_begin;
   NodeList<Scalar> nodes;
 };
+
+template <typename Scalar>
+LayerPlan<Scalar> plan_layer(const std::vector<TriangleBounds>& bounds, const RuleChooser& chooser,
+                             const TruthLayer& layer, double tail_mm) {
+  LayerPlan<Scalar> plan{layer, std::min(tail_mm, layer.r_max_mm), layer.r_max_mm < tail_mm, {}, {}, {}};
+  plan.split.reserve(bounds.size());
+  for (const TriangleBounds& bound : bounds)
+    plan.split.push_back(chooser.choose(bound.radius_mm / layer.std_dev_mm));
+  return plan;
+}
 
 // Triangles that are split a little are met by many clusters: their nodes are computed once per layer.
 constexpr int kMaxKeptSplit = 4;
 constexpr std::size_t kMaxKeptNodes = 20'000'000;
 
 template <typename Scalar>
-LayerPlan<Scalar> plan_layer(const Surface& surface, const std::vector<TriangleBounds>& bounds,
-                             const RuleChooser& chooser, const TruthLayer& layer, double tail_mm) {
-  LayerPlan<Scalar> plan{layer, std::min(tail_mm, layer.r_max_mm), layer.r_max_mm < tail_mm, {}, {0}, {}};
+void keep_nodes(const Surface& surface, LayerPlan<Scalar>& plan) {
+  const auto keeps = [](const Split& split) { return split.rule != nullptr && split.parts <= kMaxKeptSplit; };
   std::size_t wanted = 0;
-  const auto keeps = [&](const Split& split) {
-    return split.rule != nullptr && split.parts <= kMaxKeptSplit;
-  };
-  for (const TriangleBounds& bound : bounds) {
-    plan.split.push_back(chooser.choose(bound.radius_mm / layer.std_dev_mm));
-    const Split& split = plan.split.back();
-    if (keeps(split))
-      wanted += split.rule->nodes.size() * static_cast<std::size_t>(split.parts * split.parts);
-  }
-  for (std::size_t t = 0; t < bounds.size(); ++t) {
+  for (const Split& split : plan.split) wanted += keeps(split) ? split.node_count() : 0;
+  plan.node_begin.assign(1, 0);
+  for (std::size_t t = 0; t < plan.split.size(); ++t) {
     if (wanted <= kMaxKeptNodes && keeps(plan.split[t])) {
       add_nodes(
           surface.triangles[t], plan.split[t], Vec3d::Zero(), [](const Vec3d&, double) { return true; },
@@ -253,7 +189,6 @@ LayerPlan<Scalar> plan_layer(const Surface& surface, const std::vector<TriangleB
     }
     plan.node_begin.push_back(plan.nodes.size());
   }
-  return plan;
 }
 
 // Reorders `ids` so that the points before the returned index lie before the others along the box's longest
@@ -278,10 +213,15 @@ class ClusterWorker {
   using Plan = LayerPlan<Scalar>;
 
   ClusterWorker(const Surface& surface, const std::vector<TriangleBounds>& bounds, const TriangleTree& tree,
-                std::span<const SurfacePoint> points, bool gray)
-      : surface_(surface), bounds_(bounds), tree_(tree), points_(points), gray_(gray) {}
+                std::span<const SurfacePoint> points, bool gray, bool nodes_elsewhere)
+      : surface_(surface),
+        bounds_(bounds),
+        tree_(tree),
+        points_(points),
+        gray_(gray),
+        nodes_elsewhere_(nodes_elsewhere) {}
 
-  // Splits `ids` (reordering it) until each cluster is small against the search radius, and evaluates.
+  // Splits `ids` (reordering it) until each cluster is small against the search radius, and adds its sums.
   void process(std::span<std::uint32_t> ids, const Plan& plan, std::vector<Vec4d>& out) {
     Eigen::AlignedBox3d box;
     for (const std::uint32_t id : ids) box.extend(points_[id].position_mm);
@@ -293,7 +233,8 @@ class ClusterWorker {
       return;
     }
     gather(box.center(), radius_mm, points_[ids.front()].component, plan);
-    for (const std::uint32_t id : ids) out[id] = evaluate(points_[id].position_mm, plan);
+    if (nodes_elsewhere_ && closed_.empty()) return;
+    for (const std::uint32_t id : ids) out[id] += evaluate(points_[id].position_mm, plan);
   }
 
  private:
@@ -322,7 +263,7 @@ class ClusterWorker {
         crossing_.push_back({t, begin, crossing_nodes_.size()});
       } else if (closed) {
         closed_.push_back(t);
-      } else {
+      } else if (!nodes_elsewhere_) {
         append_nodes(t, plan, cluster_radius, nodes_);
       }
     }
@@ -375,6 +316,7 @@ class ClusterWorker {
   const TriangleTree& tree_;
   std::span<const SurfacePoint> points_;
   bool gray_;
+  bool nodes_elsewhere_;  // the nodes' sums are computed on a grid: only closed forms are left
   Vec3d center_ = Vec3d::Zero();
   NodeList<Scalar> nodes_;
   NodeList<Scalar> crossing_nodes_;
@@ -408,28 +350,159 @@ bool is_gray(const Surface& surface) {
 
 double tail_radius_std_devs(double tolerance) { return std::sqrt(-2.0 * std::log(kTailShare * tolerance)); }
 
+using Tasks = std::vector<std::span<std::uint32_t>>;
+
+// What a sum over nodes costs, in evaluations of a kernel at one node: directly, and by way of the grid. The
+// figures were measured on one machine; they decide about speed alone.
+constexpr double kVisitCost = 80.0;    // spreading a node or gathering a point
+constexpr double kGroupCost = 2000.0;  // reading or writing the lattice points around one cell
+
+// Triangles within reach of any of the tasks' points, ascending.
+std::vector<std::uint32_t> triangles_near(const TriangleTree& tree, std::span<const SurfacePoint> points,
+                                          const Tasks& tasks, double reach_mm) {
+  std::vector<std::vector<std::uint32_t>> found(tasks.size());
+  parallel_for(tasks.size(), [&](std::size_t t) {
+    Eigen::AlignedBox3d box;
+    for (const std::uint32_t id : tasks[t]) box.extend(points[id].position_mm);
+    tree.find(box.center(), reach_mm + 0.5 * box.diagonal().norm(), points[tasks[t].front()].component,
+              found[t]);
+  });
+  std::vector<std::uint32_t> all;
+  for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+// The nodes of triangles that have any.
+std::vector<GaussSource> grid_sources(const Surface& surface, const std::vector<Split>& split,
+                                      const std::vector<std::uint32_t>& triangles) {
+  std::vector<std::size_t> begin = {0};
+  for (const std::uint32_t t : triangles) begin.push_back(begin.back() + split[t].node_count());
+  std::vector<GaussSource> sources(begin.back());
+  constexpr std::size_t kChunk = 256;
+  parallel_for((triangles.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    for (std::size_t i = chunk * kChunk; i < std::min(triangles.size(), (chunk + 1) * kChunk); ++i) {
+      if (split[triangles[i]].rule == nullptr) continue;
+      std::size_t next = begin[i];
+      for_each_node(
+          surface.triangles[triangles[i]], split[triangles[i]], [](const Vec3d&, double) { return true; },
+          [&](const Vec3d& position, const Vec3d& irradiance, double area) {
+            sources[next++] = {position,
+                               {area * irradiance.x(), area * irradiance.y(), area * irradiance.z(), area}};
+          });
+    }
+  });
+  return sources;
+}
+
+// The convolution of one component's points with one layer.
+template <typename Scalar>
+class ComponentConvolution {
+ public:
+  ComponentConvolution(const Surface& surface, const TriangleTree& tree,
+                       const std::vector<TriangleBounds>& bounds, std::span<const SurfacePoint> points,
+                       const Tasks& tasks, double tolerance, bool gray)
+      : surface_(surface),
+        tree_(tree),
+        bounds_(bounds),
+        points_(points),
+        tasks_(tasks),
+        tolerance_(tolerance),
+        gray_(gray) {
+    for (const auto& task : tasks) point_count_ += task.size();
+  }
+
+  void add_to(std::vector<Vec4d>& out, LayerPlan<Scalar>& plan,
+              const std::function<void(std::size_t)>& advance) const {
+    const bool on_grid = !plan.cut && add_on_grid(plan, out);
+    if (!on_grid && plan.node_begin.empty()) keep_nodes(surface_, plan);
+    parallel_for(tasks_.size(), [&](std::size_t t) {
+      ClusterWorker<Scalar> worker(surface_, bounds_, tree_, points_, gray_, on_grid);
+      worker.process(tasks_[t], plan, out);
+      if (advance) advance(tasks_[t].size());
+    });
+  }
+
+ private:
+  // Nodes within reach of a point, from a sample of the tasks.
+  double nodes_per_point(const LayerPlan<Scalar>& plan) const {
+    constexpr std::size_t kSample = 16;
+    const std::size_t stride = std::max<std::size_t>(1, tasks_.size() / kSample);
+    std::size_t nodes = 0;
+    std::size_t sampled = 0;
+    std::vector<std::uint32_t> near;
+    for (std::size_t t = 0; t < tasks_.size(); t += stride, ++sampled) {
+      const SurfacePoint& point = points_[tasks_[t].front()];
+      tree_.find(point.position_mm, plan.reach_mm, point.component, near);
+      for (const std::uint32_t id : near) nodes += plan.split[id].node_count();
+    }
+    return static_cast<double>(nodes) / static_cast<double>(sampled);
+  }
+
+  // Adds the nodes' sums by way of a grid, if that is the cheaper way.
+  bool add_on_grid(const LayerPlan<Scalar>& plan, std::vector<Vec4d>& out) const {
+    const double s = plan.layer.std_dev_mm;
+    const GaussLattice lattice(s, kGridShare * tolerance_);
+    const auto count = static_cast<double>(point_count_);
+    const double direct = count * nodes_per_point(plan);
+    if (direct < count * kVisitCost) return false;
+    // Lattice points reach along each axis; a source takes part if both it and a point reach one.
+    const double reach_mm = std::sqrt(3.0) * 2.0 * lattice.reach_mm;
+    const std::vector<std::uint32_t> near =
+        triangles_near(tree_, points_, tasks_, std::min(reach_mm, plan.reach_mm));
+    double nodes = 0.0;
+    double cells = 0.0;
+    const double cell_mm = kGaussBlock * lattice.step_mm;
+    for (const std::uint32_t t : near) {
+      nodes += static_cast<double>(plan.split[t].node_count());
+      cells += 2.0 * surface_.triangles[t].area_mm2() / (cell_mm * cell_mm);
+    }
+    const double grid =
+        kVisitCost * (nodes + count) + kGroupCost * (std::min(nodes, cells) + std::min(count, cells));
+    if (direct < grid) return false;
+    std::vector<std::uint32_t> ids;
+    std::vector<Vec3d> positions;
+    for (const auto& task : tasks_) ids.insert(ids.end(), task.begin(), task.end());
+    for (const std::uint32_t id : ids) positions.push_back(points_[id].position_mm);
+    std::vector<Vec4d> sums(ids.size(), Vec4d::Zero());
+    add_gauss_sums<Scalar>(lattice, s, grid_sources(surface_, plan.split, near), positions, gray_, sums);
+    for (std::size_t i = 0; i < ids.size(); ++i) out[ids[i]] += sums[i];
+    return true;
+  }
+
+  const Surface& surface_;
+  const TriangleTree& tree_;
+  const std::vector<TriangleBounds>& bounds_;
+  std::span<const SurfacePoint> points_;
+  const Tasks& tasks_;
+  double tolerance_;
+  bool gray_;
+  std::size_t point_count_ = 0;
+};
+
 template <typename Scalar>
 void convolve_with(const Surface& surface, const TriangleTree& tree, double tolerance,
                    std::span<const SurfacePoint> points, std::span<const TruthLayer> layers,
                    const std::function<void(std::size_t)>& advance, TruthValues& values) {
   std::vector<TriangleBounds> bounds;
-  for (const SurfaceTriangle& t : surface.triangles) bounds.push_back({t.centroid_mm(), centroid_radius(t)});
+  for (const SurfaceTriangle& t : surface.triangles)
+    bounds.push_back({t.centroid_mm(), centroid_radius_mm(t)});
   const RuleChooser chooser(kQuadratureShare * tolerance);
 
   std::map<int, std::vector<std::uint32_t>> by_component;
   for (std::uint32_t i = 0; i < points.size(); ++i) by_component[points[i].component].push_back(i);
-  std::vector<std::span<std::uint32_t>> tasks;
-  for (auto& entry : by_component) cut_into_tasks(points, entry.second, tasks);
+  std::map<int, Tasks> tasks;
+  for (auto& [component, ids] : by_component) cut_into_tasks(points, ids, tasks[component]);
 
   const bool gray = is_gray(surface);
   for (std::size_t l = 0; l < layers.size(); ++l) {
     const double tail_mm = tail_radius_std_devs(tolerance) * layers[l].std_dev_mm;
-    const LayerPlan<Scalar> plan = plan_layer<Scalar>(surface, bounds, chooser, layers[l], tail_mm);
-    parallel_for(tasks.size(), [&](std::size_t t) {
-      ClusterWorker<Scalar> worker(surface, bounds, tree, points, gray);
-      worker.process(tasks[t], plan, values[l]);
-      if (advance) advance(tasks[t].size());
-    });
+    LayerPlan<Scalar> plan = plan_layer<Scalar>(bounds, chooser, layers[l], tail_mm);
+    for (const auto& [component, some] : tasks) {
+      ComponentConvolution<Scalar>(surface, tree, bounds, points, some, tolerance, gray)
+          .add_to(values[l], plan, advance);
+    }
   }
 }
 
@@ -440,7 +513,7 @@ FastEngine::FastEngine(const Surface& surface, double tolerance)
   assert(tolerance > 0.0);
 }
 
-double FastEngine::tail_bound() const { return 2.0 * kTailShare * tolerance_; }
+double FastEngine::tail_bound() const { return 2.0 * (kTailShare + kGridShare) * tolerance_; }
 
 TruthValues FastEngine::convolve(std::span<const SurfacePoint> points, std::span<const TruthLayer> layers,
                                  const std::function<void(std::size_t)>& advance) const {

@@ -13,20 +13,17 @@ namespace truescatter {
 //
 // How the tolerance is spent:
 // - Tail: nothing beyond the radius where a plane's remaining mass is tolerance/10.
-// - Quadrature: a rule of degree d integrates (Taylor polynomial of degree d-1 of G) * (linear I) exactly.
-// What
-//   is left of G is at most |x - c|^d max|D^d G| / d! around the centroid c, so a triangle whose corners lie
-//   within x standard deviations of c errs by at most A |I| C_d x^d s^d max|D^d G| / d!, with C_d the rule's
-//   `remainder`. Summed over a plane, s^d integral |D^d G| <= sqrt(d!) (the directional derivative is a
-//   Hermite function He_d, and E|He_d| <= sqrt(E He_d^2) = sqrt(d!)), hence the total is at most C_d x^d /
-//   sqrt(d!). Each triangle takes the cheapest rule, after a uniform split if need be, that keeps this bound
-//   below 0.6 tolerance.
-// - Triangles too large for that, and those which the cut-off sphere crosses, take the
-//   boundary formula, each edge by Gauss-Legendre quadrature where that is good to 1e-7, else in closed form.
+// - Quadrature: each triangle takes the cheapest rule, after a uniform split if need be, whose errors over a
+//   plane sum to at most 0.6 tolerance (TriangleRule::gaussian_error).
+// - Grid: where many points meet many nodes, the nodes' sums go by way of a lattice (add_gauss_sums), at an
+//   error of at most tolerance/10. Whether they do is a matter of cost alone.
+// - Triangles too large for quadrature, and those which the cut-off sphere crosses, take the boundary
+// formula,
+//   each edge by Gauss-Legendre quadrature where that is good to 1e-7, else in closed form.
 // - Sums run in single precision (about 1e-6) for a tolerance of 1e-5 or more, else in double.
 //
-// Work is shared: points are clustered in space, and a cluster much smaller than the Gaussian gathers its
-// triangles and quadrature nodes once. The result is bitwise the same for any number of jobs.
+// Points are clustered in space, and a cluster much smaller than the Gaussian gathers its triangles and
+// quadrature nodes once. The result is bitwise the same for any number of jobs.
 class FastEngine {
  public:
   FastEngine(const Surface& surface, double tolerance);
@@ -38,8 +35,9 @@ class FastEngine {
   TruthValues convolve(std::span<const SurfacePoint> points, std::span<const TruthLayer> layers,
                        const std::function<void(std::size_t)>& advance = {}) const;
 
-  // An upper bound, relative to the largest irradiance, of the light beyond the search radius, for a
-  // surface that has at most twice the area of its tangent plane in any shell around the point.
+  // An upper bound, relative to the largest irradiance, of the light beyond the search radius and the
+  // lattice's reach, for a surface that has at most twice the area of its tangent plane in any shell around
+  // the point.
   double tail_bound() const;
 
  private:
