@@ -31,10 +31,10 @@ EdgeIntegrals edge_inside_exact(double p, double t0, double t1, double std_dev_m
 
 Vec4d convolve_triangle_exact(const SurfaceTriangle& triangle, const Vec3d& point_mm,
                               const TruthLayer& layer) {
-  return convolve_triangle_by_edges(triangle, point_mm, layer,
-                                    [&](double p, double t0, double t1, double at_foot) {
-                                      return edge_inside_exact(p, t0, t1, layer.std_dev_mm, at_foot);
-                                    });
+  return convolve_inner_part(triangle, TriangleFrame(triangle), point_mm, layer,
+                             [&](double p, double t0, double t1, double at_foot) {
+                               return edge_inside_exact(p, t0, t1, layer.std_dev_mm, at_foot);
+                             });
 }
 
 Vec4d ExactEngine::convolve(const SurfacePoint& point, const TruthLayer& layer) const {

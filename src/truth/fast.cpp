@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include "core/parallel.h"
 #include "truth/exact.h"
@@ -16,52 +17,84 @@ namespace {
 
 constexpr double kTailShare = 0.1;        // of the tolerance
 constexpr double kQuadratureShare = 0.6;  // of the tolerance
+constexpr double kOuterShare = 0.2;       // of the tolerance, out of the quadrature's
 constexpr double kGridShare = 0.1;        // of the tolerance
 constexpr double kClusterRadius = 0.25;   // of the search radius: larger clusters are split
 constexpr std::size_t kTaskPoints = 1024;
 
-// The integrals along a piece of an edge by Gauss-Legendre quadrature with 6 nodes where that is accurate to
-// about 1e-7, else in closed form. The integrand's poles lie at t = +-ip: with half the piece's length a at
-// most half the distance from the foot to its middle, the ellipse of analyticity has a radius of at least
-// 2 + sqrt(3) (a pole beside the end) or 2 + sqrt(5) (beside the middle), and the error is of the order of
-// 3.7^-12 = 1e-7; a <= s keeps the Gaussian's own part below that (0.5^12 / 12!).
-EdgeIntegrals edge_inside_fast(double p, double t0, double t1, double std_dev_mm, double at_foot) {
+// Gauss-Legendre quadrature with 6 nodes along a piece of an edge is accurate to about 1e-7 of the Gaussian
+// at its nearest: the integrand's poles lie at t = +-ip, and with half the piece's length a at most half the
+// distance from the foot to its middle, the ellipse of analyticity has a radius of at least 2 + sqrt(3) (a
+// pole beside the end) or 2 + sqrt(5) (beside the middle), so the error is of the order of 3.7^-12 = 1e-7; a
+// <= s keeps the Gaussian's own part below that (0.5^12 / 12!).
+bool suits_quadrature(double p, double t0, double t1, double std_dev_mm) {
+  const double half = 0.5 * (t1 - t0);
+  const double middle = 0.5 * (t0 + t1);
+  return half <= std_dev_mm && 4.0 * half * half <= middle * middle + p * p;
+}
+
+// int (level - exp(-rho^2 / 2s^2)) p / rho^2 dt and int exp(-rho^2 / 2s^2) dt, by that quadrature.
+EdgeIntegrals edge_by_quadrature(double p, double t0, double t1, double std_dev_mm, double level) {
   static constexpr std::array<double, 3> kNodes = {0.2386191860831969, 0.6612093864662645,
                                                    0.9324695142031521};
   static constexpr std::array<double, 3> kWeights = {0.4679139345726910, 0.3607615730481386,
                                                      0.1713244923791704};
   const double half = 0.5 * (t1 - t0);
   const double middle = 0.5 * (t0 + t1);
-  if (half > std_dev_mm || 4.0 * half * half > middle * middle + p * p) {
-    return edge_inside_exact(p, t0, t1, std_dev_mm, at_foot);
+  Eigen::Array<double, 8, 1> t = Eigen::Array<double, 8, 1>::Constant(middle);
+  Eigen::Array<double, 8, 1> weight = Eigen::Array<double, 8, 1>::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    t[2 * i] -= half * kNodes[n];
+    t[2 * i + 1] += half * kNodes[n];
+    weight[2 * i] = weight[2 * i + 1] = half * kWeights[n];
   }
-  const double factor = -0.5 / (std_dev_mm * std_dev_mm);
-  EdgeIntegrals sum;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (const double node : {-kNodes[i], kNodes[i]}) {
-      const double t = middle + half * node;
-      const double rho2 = p * p + t * t;
-      const double gauss = std::exp(rho2 * factor);
-      sum.radial += kWeights[i] * (1.0 - gauss) * p / rho2;
-      sum.line += kWeights[i] * gauss;
-    }
-  }
-  const double scale = half * at_foot / (2.0 * kPi);
+  const Eigen::Array<double, 8, 1> rho2 = t.square() + p * p;
+  const Eigen::Array<double, 8, 1> gauss = (rho2 * (-0.5 / (std_dev_mm * std_dev_mm))).exp();
+  return {(weight * (level - gauss) * p / rho2).sum(), (weight * gauss).sum()};
+}
+
+EdgeIntegrals edge_inside_fast(double p, double t0, double t1, double std_dev_mm, double at_foot) {
+  if (!suits_quadrature(p, t0, t1, std_dev_mm)) return edge_inside_exact(p, t0, t1, std_dev_mm, at_foot);
+  const EdgeIntegrals sum = edge_by_quadrature(p, t0, t1, std_dev_mm, 1.0);
+  const double scale = at_foot / (2.0 * kPi);
   return {sum.radial * scale, -sum.line * scale};
 }
 
-Vec4d convolve_triangle_fast(const SurfaceTriangle& triangle, const Vec3d& point_mm,
-                             const TruthLayer& layer) {
-  return convolve_triangle_by_edges(triangle, point_mm, layer,
-                                    [&](double p, double t0, double t1, double at_foot) {
-                                      return edge_inside_fast(p, t0, t1, layer.std_dev_mm, at_foot);
-                                    });
+// Where r > r_max: F(r) against its value at_cut at the cut-off.
+EdgeIntegrals edge_outside_fast(double p, double t0, double t1, double h, double std_dev_mm, double at_cut) {
+  const double at_foot = gauss_at(h, std_dev_mm);
+  if (!suits_quadrature(p, t0, t1, std_dev_mm)) {
+    EdgeIntegrals sum = edge_inside_exact(p, t0, t1, std_dev_mm, at_foot);
+    sum.radial -= edge_beyond_cut(p, t0, t1, at_foot, at_cut).radial;
+    return sum;
+  }
+  const EdgeIntegrals sum = edge_by_quadrature(p, t0, t1, std_dev_mm, at_cut / at_foot);
+  const double scale = at_foot / (2.0 * kPi);
+  return {sum.radial * scale, -sum.line * scale};
+}
+
+Vec4d convolve_inner_part_fast(const SurfaceTriangle& triangle, const TriangleFrame& frame,
+                               const Vec3d& point_mm, const TruthLayer& layer) {
+  return convolve_inner_part(triangle, frame, point_mm, layer,
+                             [&](double p, double t0, double t1, double at_foot) {
+                               return edge_inside_fast(p, t0, t1, layer.std_dev_mm, at_foot);
+                             });
+}
+
+Vec4d convolve_outer_part_fast(const SurfaceTriangle& triangle, const TriangleFrame& frame,
+                               const Vec3d& point_mm, const TruthLayer& layer) {
+  return convolve_outer_part(triangle, frame, point_mm, layer,
+                             [&](double p, double t0, double t1, double h, double at_cut) {
+                               return edge_outside_fast(p, t0, t1, h, layer.std_dev_mm, at_cut);
+                             });
 }
 
 // What must be known about each triangle, computed once.
 struct TriangleBounds {
   Vec3d centroid_mm;
   double radius_mm;
+  TriangleFrame frame;
 };
 
 // Quadrature nodes of a cluster, relative to its centre so that single precision does not lose digits.
@@ -118,43 +151,51 @@ void add_nodes(const SurfaceTriangle& triangle, const Split& split, const Vec3d&
   });
 }
 
-// sum over nodes [begin, end) of weight * exp(-|x - point|^2 / 2s^2), in blocks that stay in the cache.
+// Which part of a Gaussian is summed: all of it, or what lies on one side of r_max.
+enum class Part { whole, inner, outer };
+
+// sum over nodes [begin, end) of weight * exp(-|x - point|^2 / 2s^2) in the given part, in blocks that stay
+// in the cache.
 template <typename Scalar>
 Vec4d sum_nodes(const NodeList<Scalar>& nodes, std::size_t begin, std::size_t end, const Vec3d& point,
-                double std_dev_mm, bool gray) {
+                const TruthLayer& layer, Part part, bool gray) {
   using Array = Eigen::Array<Scalar, Eigen::Dynamic, 1>;
   using Block = Eigen::Map<const Array>;
   constexpr Eigen::Index kBlock = 256;
   // Nothing that counts lies this far out (exp(-60) = 9e-27), and denormal numbers are slow.
   constexpr auto kSmallestExponent = Scalar(-60);
   Eigen::Array<Scalar, kBlock, 1> kernel;
+  Eigen::Array<Scalar, kBlock, 1> exponent;
+  const auto cut = static_cast<Scalar>(-0.5 * std::pow(layer.r_max_mm / layer.std_dev_mm, 2));
   const auto px = static_cast<Scalar>(point.x());
   const auto py = static_cast<Scalar>(point.y());
   const auto pz = static_cast<Scalar>(point.z());
-  const auto factor = static_cast<Scalar>(-0.5 / (std_dev_mm * std_dev_mm));
+  const auto factor = static_cast<Scalar>(-0.5 / (layer.std_dev_mm * layer.std_dev_mm));
   Vec4d sum = Vec4d::Zero();
   for (std::size_t first = begin; first < end; first += kBlock) {
     const auto n = static_cast<Eigen::Index>(std::min<std::size_t>(kBlock, end - first));
     const Block x(nodes.x.data() + first, n);
     const Block y(nodes.y.data() + first, n);
     const Block z(nodes.z.data() + first, n);
-    kernel.head(n) =
-        (((x - px).square() + (y - py).square() + (z - pz).square()) * factor).max(kSmallestExponent).exp();
+    exponent.head(n) = ((x - px).square() + (y - py).square() + (z - pz).square()) * factor;
+    kernel.head(n) = exponent.head(n).max(kSmallestExponent).exp();
+    if (part == Part::inner) kernel.head(n) *= (exponent.head(n) > cut).template cast<Scalar>();
+    if (part == Part::outer) kernel.head(n) *= (exponent.head(n) <= cut).template cast<Scalar>();
     for (std::size_t c = gray ? 2 : 0; c < 4; ++c) {
       const Block weight(nodes.weight[c].data() + first, n);
       sum[static_cast<Eigen::Index>(c)] += static_cast<double>((kernel.head(n) * weight).sum());
     }
   }
   if (gray) sum[0] = sum[1] = sum[2];
-  return sum / (2.0 * kPi * std_dev_mm * std_dev_mm);
+  return sum / (2.0 * kPi * layer.std_dev_mm * layer.std_dev_mm);
 }
 
-// Everything about one layer that does not depend on the cluster.
+// One part of one layer: all about it that does not depend on the cluster.
 template <typename Scalar>
 struct LayerPlan {
   TruthLayer layer;
+  Part part;
   double reach_mm;           // search radius
-  bool cut;                  // the cut-off lies inside the search radius
   std::vector<Split> split;  // per triangle
   // Per triangle, and one more: nodes that are kept, in world coordinates. Empty until keep_nodes.
   std::vector<std::size_t> node_begin;
@@ -163,8 +204,8 @@ struct LayerPlan {
 
 template <typename Scalar>
 LayerPlan<Scalar> plan_layer(const std::vector<TriangleBounds>& bounds, const RuleChooser& chooser,
-                             const TruthLayer& layer, double tail_mm) {
-  LayerPlan<Scalar> plan{layer, std::min(tail_mm, layer.r_max_mm), layer.r_max_mm < tail_mm, {}, {}, {}};
+                             const TruthLayer& layer, Part part, double reach_mm) {
+  LayerPlan<Scalar> plan{layer, part, reach_mm, {}, {}, {}};
   plan.split.reserve(bounds.size());
   for (const TriangleBounds& bound : bounds)
     plan.split.push_back(chooser.choose(bound.radius_mm / layer.std_dev_mm));
@@ -212,13 +253,16 @@ class ClusterWorker {
  public:
   using Plan = LayerPlan<Scalar>;
 
+  // `sign` times the sums is what is added. `nodes_elsewhere`: the nodes' sums are computed on a grid, only
+  // closed forms are left.
   ClusterWorker(const Surface& surface, const std::vector<TriangleBounds>& bounds, const TriangleTree& tree,
-                std::span<const SurfacePoint> points, bool gray, bool nodes_elsewhere)
+                std::span<const SurfacePoint> points, bool gray, double sign, bool nodes_elsewhere)
       : surface_(surface),
         bounds_(bounds),
         tree_(tree),
         points_(points),
         gray_(gray),
+        sign_(sign),
         nodes_elsewhere_(nodes_elsewhere) {}
 
   // Splits `ids` (reordering it) until each cluster is small against the search radius, and adds its sums.
@@ -233,38 +277,37 @@ class ClusterWorker {
       return;
     }
     gather(box.center(), radius_mm, points_[ids.front()].component, plan);
-    if (nodes_elsewhere_ && closed_.empty()) return;
-    for (const std::uint32_t id : ids) out[id] += evaluate(points_[id].position_mm, plan);
+    if (nodes_.size() == 0 && closed_.empty()) return;
+    for (const std::uint32_t id : ids) out[id] += sign_ * evaluate(points_[id].position_mm, plan);
   }
 
  private:
+  // A triangle that the cut-off sphere crosses for some point of the cluster, and its nodes.
   struct Range {
     std::uint32_t triangle;
     std::size_t begin;
-    std::size_t end;  // empty: closed form
+    std::size_t end;
   };
 
   void gather(const Vec3d& center, double cluster_radius, int component, const Plan& plan) {
     center_ = center;
     nodes_.clear();
-    crossing_nodes_.clear();
     closed_.clear();
     crossing_.clear();
+    const double r_max_mm = plan.layer.r_max_mm;
     tree_.find(center, plan.reach_mm + cluster_radius, component, found_);
     for (const std::uint32_t t : found_) {
       const double distance = (bounds_[t].centroid_mm - center).norm();
       const double slack = bounds_[t].radius_mm + cluster_radius;
       if (distance - slack > plan.reach_mm) continue;
-      const bool may_cross = plan.cut && distance + slack > plan.layer.r_max_mm;
-      const bool closed = plan.split[t].rule == nullptr;
-      if (may_cross) {
-        const std::size_t begin = crossing_nodes_.size();
-        if (!closed) append_nodes(t, plan, cluster_radius, crossing_nodes_);
-        crossing_.push_back({t, begin, crossing_nodes_.size()});
-      } else if (closed) {
+      if (plan.part == Part::outer && distance + slack < r_max_mm) continue;
+      if (plan.split[t].rule == nullptr) {
         closed_.push_back(t);
       } else if (!nodes_elsewhere_) {
+        const std::size_t begin = nodes_.size();
         append_nodes(t, plan, cluster_radius, nodes_);
+        if (plan.part != Part::whole && distance - slack < r_max_mm && distance + slack > r_max_mm)
+          crossing_.push_back({t, begin, nodes_.size()});
       }
     }
   }
@@ -282,33 +325,39 @@ class ClusterWorker {
   }
 
   Vec4d evaluate(const Vec3d& point, const Plan& plan) const {
-    const double s = plan.layer.std_dev_mm;
-    Vec4d sum = sum_nodes(nodes_, 0, nodes_.size(), point - center_, s, gray_);
-    const TruthLayer uncut{s, std::numeric_limits<double>::infinity()};
+    const Vec3d local = point - center_;
+    Vec4d sum = sum_nodes(nodes_, 0, nodes_.size(), local, plan.layer, plan.part, gray_);
     for (const std::uint32_t t : closed_) {
-      if ((bounds_[t].centroid_mm - point).norm() - bounds_[t].radius_mm > plan.reach_mm) continue;
-      sum += convolve_triangle_fast(surface_.triangles[t], point, uncut);
+      if ((bounds_[t].centroid_mm - point).norm() - bounds_[t].radius_mm <= plan.reach_mm)
+        sum += closed_form(t, point, plan);
     }
-    for (const Range& range : crossing_) sum += evaluate_crossing(range, point, plan);
+    // Nodes on the wrong side of r_max have been left out one by one; a triangle that the sphere cuts for
+    // this point takes the closed form in place of its nodes.
+    for (const Range& range : crossing_) {
+      if (!is_cut(range.triangle, point, plan.layer.r_max_mm)) continue;
+      sum += closed_form(range.triangle, point, plan) -
+             sum_nodes(nodes_, range.begin, range.end, local, plan.layer, plan.part, gray_);
+    }
     return sum;
   }
 
-  // A triangle that the cut-off sphere crosses for some point of the cluster; for this one it may lie inside
-  // or outside.
-  Vec4d evaluate_crossing(const Range& range, const Vec3d& point, const Plan& plan) const {
-    const TriangleBounds& bound = bounds_[range.triangle];
-    const double distance = (bound.centroid_mm - point).norm();
-    if (distance - bound.radius_mm >= plan.layer.r_max_mm) return Vec4d::Zero();
-    const SurfaceTriangle& triangle = surface_.triangles[range.triangle];
+  bool is_cut(std::uint32_t t, const Vec3d& point, double r_max_mm) const {
+    const double distance2 = (bounds_[t].centroid_mm - point).squaredNorm();
+    const double nearest = r_max_mm - bounds_[t].radius_mm;
+    const double farthest = r_max_mm + bounds_[t].radius_mm;
+    if (distance2 >= farthest * farthest || (nearest > 0.0 && distance2 <= nearest * nearest)) return false;
     double farthest2 = 0.0;
-    for (const Vec3d& corner : triangle.corners_mm)
+    for (const Vec3d& corner : surface_.triangles[t].corners_mm)
       farthest2 = std::max(farthest2, (corner - point).squaredNorm());
-    const bool inside = farthest2 <= plan.layer.r_max_mm * plan.layer.r_max_mm;
-    if (inside && range.begin < range.end) {
-      return sum_nodes(crossing_nodes_, range.begin, range.end, point - center_, plan.layer.std_dev_mm,
-                       gray_);
-    }
-    return convolve_triangle_fast(triangle, point, plan.layer);
+    return farthest2 > r_max_mm * r_max_mm;
+  }
+
+  Vec4d closed_form(std::uint32_t t, const Vec3d& point, const Plan& plan) const {
+    const SurfaceTriangle& triangle = surface_.triangles[t];
+    TruthLayer layer = plan.layer;
+    if (plan.part == Part::outer) return convolve_outer_part_fast(triangle, bounds_[t].frame, point, layer);
+    if (plan.part == Part::whole) layer.r_max_mm = std::numeric_limits<double>::infinity();
+    return convolve_inner_part_fast(triangle, bounds_[t].frame, point, layer);
   }
 
   const Surface& surface_;
@@ -316,10 +365,10 @@ class ClusterWorker {
   const TriangleTree& tree_;
   std::span<const SurfacePoint> points_;
   bool gray_;
-  bool nodes_elsewhere_;  // the nodes' sums are computed on a grid: only closed forms are left
+  double sign_;
+  bool nodes_elsewhere_;
   Vec3d center_ = Vec3d::Zero();
   NodeList<Scalar> nodes_;
-  NodeList<Scalar> crossing_nodes_;
   std::vector<std::uint32_t> closed_;
   std::vector<Range> crossing_;
   std::vector<std::uint32_t> found_;
@@ -347,8 +396,6 @@ bool is_gray(const Surface& surface) {
                        [](const Vec3d& v) { return v.x() == v.y() && v.y() == v.z(); });
   });
 }
-
-double tail_radius_std_devs(double tolerance) { return std::sqrt(-2.0 * std::log(kTailShare * tolerance)); }
 
 using Tasks = std::vector<std::span<std::uint32_t>>;
 
@@ -396,90 +443,156 @@ std::vector<GaussSource> grid_sources(const Surface& surface, const std::vector<
   return sources;
 }
 
-// The convolution of one component's points with one layer.
+// What the layers of one call share.
+struct Shared {
+  const Surface& surface;
+  const TriangleTree& tree;
+  const std::vector<TriangleBounds>& bounds;
+  double tolerance;
+  bool gray;
+};
+
+// The convolution of one component's points.
 template <typename Scalar>
 class ComponentConvolution {
  public:
-  ComponentConvolution(const Surface& surface, const TriangleTree& tree,
-                       const std::vector<TriangleBounds>& bounds, std::span<const SurfacePoint> points,
-                       const Tasks& tasks, double tolerance, bool gray)
-      : surface_(surface),
-        tree_(tree),
-        bounds_(bounds),
-        points_(points),
-        tasks_(tasks),
-        tolerance_(tolerance),
-        gray_(gray) {
-    for (const auto& task : tasks) point_count_ += task.size();
+  using Plan = LayerPlan<Scalar>;
+
+  ComponentConvolution(const Shared& shared, std::span<const SurfacePoint> points, const Tasks& tasks)
+      : shared_(shared), points_(points), tasks_(tasks) {
+    for (const auto& task : tasks) point_count_ += static_cast<double>(task.size());
   }
 
-  void add_to(std::vector<Vec4d>& out, LayerPlan<Scalar>& plan,
-              const std::function<void(std::size_t)>& advance) const {
-    const bool on_grid = !plan.cut && add_on_grid(plan, out);
-    if (!on_grid && plan.node_begin.empty()) keep_nodes(surface_, plan);
-    parallel_for(tasks_.size(), [&](std::size_t t) {
-      ClusterWorker<Scalar> worker(surface_, bounds_, tree_, points_, gray_, on_grid);
-      worker.process(tasks_[t], plan, out);
-      if (advance) advance(tasks_[t].size());
-    });
-  }
+  double point_count() const { return point_count_; }
 
- private:
-  // Nodes within reach of a point, from a sample of the tasks.
-  double nodes_per_point(const LayerPlan<Scalar>& plan) const {
+  // Nodes that a point's sum meets, from a sample of the tasks.
+  double nodes_per_point(const Plan& plan) const {
     constexpr std::size_t kSample = 16;
     const std::size_t stride = std::max<std::size_t>(1, tasks_.size() / kSample);
-    std::size_t nodes = 0;
-    std::size_t sampled = 0;
+    double nodes = 0.0;
+    double sampled = 0.0;
     std::vector<std::uint32_t> near;
     for (std::size_t t = 0; t < tasks_.size(); t += stride, ++sampled) {
       const SurfacePoint& point = points_[tasks_[t].front()];
-      tree_.find(point.position_mm, plan.reach_mm, point.component, near);
-      for (const std::uint32_t id : near) nodes += plan.split[id].node_count();
+      shared_.tree.find(point.position_mm, plan.reach_mm, point.component, near);
+      for (const std::uint32_t id : near) {
+        const TriangleBounds& bound = shared_.bounds[id];
+        const double farthest = (bound.centroid_mm - point.position_mm).norm() + bound.radius_mm;
+        if (plan.part == Part::outer && farthest < plan.layer.r_max_mm) continue;
+        nodes += static_cast<double>(plan.split[id].node_count());
+      }
     }
-    return static_cast<double>(nodes) / static_cast<double>(sampled);
+    return nodes / sampled;
   }
 
-  // Adds the nodes' sums by way of a grid, if that is the cheaper way.
-  bool add_on_grid(const LayerPlan<Scalar>& plan, std::vector<Vec4d>& out) const {
-    const double s = plan.layer.std_dev_mm;
-    const GaussLattice lattice(s, kGridShare * tolerance_);
-    const auto count = static_cast<double>(point_count_);
-    const double direct = count * nodes_per_point(plan);
-    if (direct < count * kVisitCost) return false;
-    // Lattice points reach along each axis; a source takes part if both it and a point reach one.
-    const double reach_mm = std::sqrt(3.0) * 2.0 * lattice.reach_mm;
-    const std::vector<std::uint32_t> near =
-        triangles_near(tree_, points_, tasks_, std::min(reach_mm, plan.reach_mm));
+  // The cost of the nodes' sums by way of the grid, per point.
+  double grid_cost_per_point(const Plan& plan) const {
+    const GaussLattice lattice = lattice_of(plan);
+    const double cell_mm = kGaussBlock * lattice.step_mm;
     double nodes = 0.0;
     double cells = 0.0;
-    const double cell_mm = kGaussBlock * lattice.step_mm;
-    for (const std::uint32_t t : near) {
+    for (const std::uint32_t t : triangles_near(shared_.tree, points_, tasks_, plan.reach_mm)) {
       nodes += static_cast<double>(plan.split[t].node_count());
-      cells += 2.0 * surface_.triangles[t].area_mm2() / (cell_mm * cell_mm);
+      cells += 2.0 * shared_.surface.triangles[t].area_mm2() / (cell_mm * cell_mm);
     }
-    const double grid =
-        kVisitCost * (nodes + count) + kGroupCost * (std::min(nodes, cells) + std::min(count, cells));
-    if (direct < grid) return false;
+    const double visits = kVisitCost * (nodes + point_count_);
+    const double groups = kGroupCost * (std::min(nodes, cells) + std::min(point_count_, cells));
+    return (visits + groups) / point_count_;
+  }
+
+  void add_directly(Plan& plan, double sign, std::vector<Vec4d>& out) const {
+    if (plan.node_begin.empty()) keep_nodes(shared_.surface, plan);
+    add_clusters(plan, sign, false, out);
+  }
+
+  void add_on_grid(const Plan& plan, std::vector<Vec4d>& out) const {
     std::vector<std::uint32_t> ids;
     std::vector<Vec3d> positions;
     for (const auto& task : tasks_) ids.insert(ids.end(), task.begin(), task.end());
     for (const std::uint32_t id : ids) positions.push_back(points_[id].position_mm);
+    const std::vector<std::uint32_t> near = triangles_near(shared_.tree, points_, tasks_, plan.reach_mm);
     std::vector<Vec4d> sums(ids.size(), Vec4d::Zero());
-    add_gauss_sums<Scalar>(lattice, s, grid_sources(surface_, plan.split, near), positions, gray_, sums);
+    add_gauss_sums<Scalar>(lattice_of(plan), plan.layer.std_dev_mm,
+                           grid_sources(shared_.surface, plan.split, near), positions, shared_.gray, sums);
     for (std::size_t i = 0; i < ids.size(); ++i) out[ids[i]] += sums[i];
-    return true;
+    const bool some_closed =
+        std::any_of(near.begin(), near.end(), [&](std::uint32_t t) { return plan.split[t].rule == nullptr; });
+    if (some_closed) add_clusters(plan, 1.0, true, out);
   }
 
-  const Surface& surface_;
-  const TriangleTree& tree_;
-  const std::vector<TriangleBounds>& bounds_;
+ private:
+  GaussLattice lattice_of(const Plan& plan) const {
+    return {plan.layer.std_dev_mm, kGridShare * shared_.tolerance};
+  }
+
+  void add_clusters(const Plan& plan, double sign, bool nodes_elsewhere, std::vector<Vec4d>& out) const {
+    parallel_for(tasks_.size(), [&](std::size_t t) {
+      ClusterWorker<Scalar> worker(shared_.surface, shared_.bounds, shared_.tree, points_, shared_.gray, sign,
+                                   nodes_elsewhere);
+      worker.process(tasks_[t], plan, out);
+    });
+  }
+
+  const Shared& shared_;
   std::span<const SurfacePoint> points_;
   const Tasks& tasks_;
-  double tolerance_;
-  bool gray_;
-  std::size_t point_count_ = 0;
+  double point_count_ = 0.0;
 };
+
+// The plans of one layer, each made when it is first needed.
+template <typename Scalar>
+class LayerPlans {
+ public:
+  using Plan = LayerPlan<Scalar>;
+
+  LayerPlans(const Shared& shared, const TruthLayer& layer)
+      : shared_(shared),
+        layer_(layer),
+        tail_mm_(std::sqrt(-2.0 * std::log(kTailShare * shared.tolerance)) * layer.std_dev_mm) {}
+
+  bool is_cut() const { return layer_.r_max_mm < tail_mm_; }
+
+  // A cut layer's whole leaves a part of the budget for what is then taken off.
+  Plan& whole() {
+    const double share = is_cut() ? kQuadratureShare - kOuterShare : kQuadratureShare;
+    return made(whole_, share, 0.0, Part::whole, tail_mm_);
+  }
+  Plan& inner() { return made(inner_, kQuadratureShare, 0.0, Part::inner, layer_.r_max_mm); }
+  Plan& outer() {
+    return made(outer_, kOuterShare, layer_.r_max_mm / layer_.std_dev_mm, Part::outer, tail_mm_);
+  }
+
+ private:
+  Plan& made(std::optional<Plan>& plan, double share, double beyond_std_devs, Part part, double reach_mm) {
+    if (!plan) {
+      const RuleChooser chooser(share * shared_.tolerance, beyond_std_devs);
+      plan = plan_layer<Scalar>(shared_.bounds, chooser, layer_, part, reach_mm);
+    }
+    return *plan;
+  }
+
+  const Shared& shared_;
+  TruthLayer layer_;
+  double tail_mm_;
+  std::optional<Plan> whole_;
+  std::optional<Plan> inner_;
+  std::optional<Plan> outer_;
+};
+
+// Adds one layer's sums at one component's points, the cheapest way.
+template <typename Scalar>
+void add_layer(const ComponentConvolution<Scalar>& component, LayerPlans<Scalar>& plans,
+               std::vector<Vec4d>& out) {
+  LayerPlan<Scalar>& direct = plans.is_cut() ? plans.inner() : plans.whole();
+  const double direct_cost = component.nodes_per_point(direct);
+  // Gathering alone costs a visit: for a few nodes, nothing more need be asked.
+  if (direct_cost < kVisitCost) return component.add_directly(direct, 1.0, out);
+  double grid_cost = component.grid_cost_per_point(plans.whole());
+  if (plans.is_cut()) grid_cost += component.nodes_per_point(plans.outer());
+  if (direct_cost < grid_cost) return component.add_directly(direct, 1.0, out);
+  component.add_on_grid(plans.whole(), out);
+  if (plans.is_cut()) component.add_directly(plans.outer(), -1.0, out);
+}
 
 template <typename Scalar>
 void convolve_with(const Surface& surface, const TriangleTree& tree, double tolerance,
@@ -487,21 +600,20 @@ void convolve_with(const Surface& surface, const TriangleTree& tree, double tole
                    const std::function<void(std::size_t)>& advance, TruthValues& values) {
   std::vector<TriangleBounds> bounds;
   for (const SurfaceTriangle& t : surface.triangles)
-    bounds.push_back({t.centroid_mm(), centroid_radius_mm(t)});
-  const RuleChooser chooser(kQuadratureShare * tolerance);
+    bounds.push_back({t.centroid_mm(), centroid_radius_mm(t), TriangleFrame(t)});
+  const Shared shared{surface, tree, bounds, tolerance, is_gray(surface)};
 
   std::map<int, std::vector<std::uint32_t>> by_component;
   for (std::uint32_t i = 0; i < points.size(); ++i) by_component[points[i].component].push_back(i);
   std::map<int, Tasks> tasks;
   for (auto& [component, ids] : by_component) cut_into_tasks(points, ids, tasks[component]);
 
-  const bool gray = is_gray(surface);
   for (std::size_t l = 0; l < layers.size(); ++l) {
-    const double tail_mm = tail_radius_std_devs(tolerance) * layers[l].std_dev_mm;
-    LayerPlan<Scalar> plan = plan_layer<Scalar>(bounds, chooser, layers[l], tail_mm);
+    LayerPlans<Scalar> plans(shared, layers[l]);
     for (const auto& [component, some] : tasks) {
-      ComponentConvolution<Scalar>(surface, tree, bounds, points, some, tolerance, gray)
-          .add_to(values[l], plan, advance);
+      const ComponentConvolution<Scalar> convolution(shared, points, some);
+      add_layer(convolution, plans, values[l]);
+      if (advance) advance(static_cast<std::size_t>(convolution.point_count()));
     }
   }
 }

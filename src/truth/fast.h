@@ -14,9 +14,12 @@ namespace truescatter {
 // How the tolerance is spent:
 // - Tail: nothing beyond the radius where a plane's remaining mass is tolerance/10.
 // - Quadrature: each triangle takes the cheapest rule, after a uniform split if need be, whose errors over a
-//   plane sum to at most 0.6 tolerance (TriangleRule::gaussian_error).
+//   plane sum to at most 0.6 tolerance (gaussian_error).
 // - Grid: where many points meet many nodes, the nodes' sums go by way of a lattice (add_gauss_sums), at an
 //   error of at most tolerance/10. Whether they do is a matter of cost alone.
+// - A cut-off at r_max is the uncut sum by way of the grid less what lies beyond r_max, which is little and
+//   needs no more relative accuracy than that; or, where the grid does not pay, the sum over what lies
+//   inside.
 // - Triangles too large for quadrature, and those which the cut-off sphere crosses, take the boundary
 // formula,
 //   each edge by Gauss-Legendre quadrature where that is good to 1e-7, else in closed form.

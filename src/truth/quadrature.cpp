@@ -15,13 +15,14 @@ double centroid_radius_mm(const SurfaceTriangle& triangle) {
   return radius;
 }
 
-RuleChooser::RuleChooser(double budget) {
+RuleChooser::RuleChooser(double budget, double beyond_std_devs) {
+  const HermiteMoments moments(beyond_std_devs);
   for (const TriangleRule& rule : triangle_rules()) {
     double low = 0.0;
     double high = 3.0;  // beyond, the Taylor series is not looked at
     for (int i = 0; i < 50; ++i) {
       const double middle = 0.5 * (low + high);
-      (rule.gaussian_error(middle) <= budget ? low : high) = middle;
+      (gaussian_error(rule, moments, middle) <= budget ? low : high) = middle;
     }
     limits_.push_back(low);
   }

@@ -23,10 +23,11 @@ struct Split {
 // Farthest corner from the centroid.
 double centroid_radius_mm(const SurfaceTriangle& triangle);
 
-// Chooses the split with the fewest nodes whose error (TriangleRule::gaussian_error) stays within a budget.
+// Chooses the split with the fewest nodes whose error (gaussian_error) stays within a budget.
 class RuleChooser {
  public:
-  explicit RuleChooser(double budget);
+  // For triangles beyond a distance from the point; 0: wherever they lie.
+  explicit RuleChooser(double budget, double beyond_std_devs = 0.0);
 
   // For a triangle whose corners lie within `radius_in_std_devs` of its centroid.
   Split choose(double radius_in_std_devs) const;

@@ -27,14 +27,25 @@ struct TriangleRule {
   // one family, c = (1, t, -1-t), and extreme L are 1, lambda_i and 1 - lambda_i.
   std::array<double, kTaylorOrders> errors;
   std::span<const TriangleNode> nodes;
-
-  // What the rule can err by, of the largest irradiance, when it integrates G(s) I over a plane of triangles
-  // whose corners lie within x standard deviations of their centroids. G around a centroid is its Taylor
-  // series, sum_k |x|^k D_e^k G / k!, so a triangle of area A errs by at most A x^k s^k |D_e^k G| errors[k] /
-  // k! at order k, exact below k = degree. Summed over the plane, s^k integral |D_e^k G| = E|He_k| <=
-  // sqrt(k!), and the total is at most sum over k >= degree of errors[k] x^k / sqrt(k!).
-  double gaussian_error(double radius_in_std_devs) const;
 };
+
+// Moments of the Gaussian's derivatives beyond a distance, as TriangleRule errors need them:
+// magnitude[k] = E[ |He_k(Z_1)| / sqrt(k!) ; |Z| > c ] for a normal Z of two dimensions. At most 1.
+struct HermiteMoments {
+  explicit HermiteMoments(double beyond_std_devs);
+  std::array<double, kTaylorOrders> magnitude;
+};
+
+// What `rule` can err by, of the largest irradiance, when it integrates G(s) I over the triangles of a plane
+// that lie beyond the moments' distance and whose corners lie within x standard deviations of their
+// centroids. G around a centroid is its Taylor series, sum_k |x|^k D_e^k G / k!, so a triangle of area A errs
+// by at most A x^k s^k |D_e^k G| errors[k] / k! at order k, exact below k = degree. Summed over the plane,
+// that is at most
+//
+//   sum over k >= degree of (pi/2) errors[k] magnitude[k] x^k / sqrt(k!);
+//
+// pi/2, the crest of |sin| over its mean, allows for centroids that meet the oscillating derivative's crests.
+double gaussian_error(const TriangleRule& rule, const HermiteMoments& moments, double radius_in_std_devs);
 
 // The rules that there are, ascending: degrees 2, 4, 5, 6, 8, 10, 12 with 3, 6, 7, 12, 16, 25, 33 nodes.
 std::span<const TriangleRule> triangle_rules();
