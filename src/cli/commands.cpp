@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "experiment/metrics_json.h"
 #include "experiment/plan.h"
+#include "experiment/result_folder.h"
 #include "experiment/run_experiment.h"
 #include "methods/method.h"
 #include "metrics/flip.h"
@@ -57,9 +58,11 @@ int run(const RunArguments& arguments) {
   }
   const std::filesystem::path folder =
       arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
-  const RunOutcome outcome = run_experiment(spec, folder);
-  write_report(outcome.folder);
-  fmt::print("{}\n", (outcome.folder / "report.html").string());
+  ResultFolder results(folder);
+  const RunOutcome outcome = run_experiment(spec, results.working());
+  write_report(results.working());
+  results.publish();
+  fmt::print("{}\n", (folder / "report.html").string());
   for (const std::string& line : outcome.exceeded) fmt::print(stderr, "exceeded: {}\n", line);
   return outcome.exceeded.empty() ? 0 : 1;
 }

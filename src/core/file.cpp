@@ -1,7 +1,10 @@
 #include "core/file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -15,6 +18,15 @@ std::filesystem::path temporary_sibling(const std::filesystem::path& path) {
          fmt::format(".{}.{}.part{}", path.stem().string(), getpid(), path.extension().string());
 }
 
+bool is_temporary_name(std::string_view name) {
+  const std::size_t part = name.rfind(".part");
+  if (!name.starts_with('.') || part == std::string_view::npos) return false;
+  const std::string_view before = name.substr(0, part);
+  const std::size_t process = before.find_last_not_of("0123456789");
+  return process != std::string_view::npos && process > 0 && process + 1 < before.size() &&
+         before[process] == '.';
+}
+
 void commit_temporary(const std::filesystem::path& temporary, const std::filesystem::path& path) {
   std::error_code failure;
   std::filesystem::rename(temporary, path, failure);
@@ -22,6 +34,36 @@ void commit_temporary(const std::filesystem::path& temporary, const std::filesys
   std::error_code ignored;
   std::filesystem::remove(temporary, ignored);
   throw_run_error("{}: cannot write this file: {}", path.string(), failure.message());
+}
+
+void exchange_names(const std::filesystem::path& a, const std::filesystem::path& b,
+                    const std::filesystem::path& spare) {
+  if (renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return;
+  const int reason = errno;
+  const bool cannot = reason == EINVAL || reason == ENOSYS || reason == ENOTSUP;
+  if (!cannot)
+    throw_run_error("{}: cannot be replaced: {}", b.string(), std::generic_category().message(reason));
+  exchange_names_in_steps(a, b, spare);
+}
+
+void exchange_names_in_steps(const std::filesystem::path& a, const std::filesystem::path& b,
+                             const std::filesystem::path& spare) {
+  std::error_code failure;
+  std::error_code ignored;
+  std::filesystem::rename(b, spare, failure);
+  if (!failure) {
+    std::filesystem::rename(a, b, failure);
+    if (failure) {
+      std::filesystem::rename(spare, b, ignored);
+    } else {
+      std::filesystem::rename(spare, a, failure);
+      if (failure) {
+        std::filesystem::rename(b, a, ignored);
+        std::filesystem::rename(spare, b, ignored);
+      }
+    }
+  }
+  if (failure) throw_run_error("{}: cannot be replaced: {}", b.string(), failure.message());
 }
 
 void write_text_file(const std::filesystem::path& path, std::string_view text) {

@@ -456,7 +456,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
   write_text_file(folder / "results.csv", results_csv(results));
   write_text_file(folder / "results.json", results.dump(1) + "\n");
-  return {folder, exceeded};
+  return {exceeded};
 }
 
 }  // namespace truescatter

@@ -10,13 +10,11 @@ namespace truescatter {
 
 // What a run ended with.
 struct RunOutcome {
-  std::filesystem::path folder;
   std::vector<std::string> exceeded;  // one line per stated threshold that was exceeded
 };
 
 // Runs an experiment and writes results.json, results.csv, experiment.resolved.toml and maps/ into `folder`,
-// which is made; nothing is written before everything has been computed. Throws Error: input as it is found,
-// run for a failed audit, the driver or the disk.
+// which must be there. Throws Error: input as it is found, run for a failed audit, the driver or the disk.
 RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder);
 
 }  // namespace truescatter

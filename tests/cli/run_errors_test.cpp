@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <cstdlib>
 
 #include "cli/cli_fixture.h"
@@ -154,13 +156,64 @@ TEST_F(CliErrors, AMaskThatLeavesNoSkin) {
                  {"truescatter: e.toml:5:13: the mask leaves no skin"});
 }
 
-// An output folder that cannot be made is a failed run, not wrong input; a file in its place stays as it was.
+// Everything below is refused before anything is computed: no stage has said that it began.
 TEST_F(CliErrors, AnOutputFolderThatIsAFile) {
   folder_.write("out", "precious");
   const ProgramResult result = run(kTiny);
-  EXPECT_EQ(result.exit_code, 3);
-  EXPECT_TRUE(contains(result.err, "out/maps: cannot make this folder")) << result.err;
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err, "truescatter: out: is a file; the results need a folder, which `run` makes\n");
   EXPECT_EQ(text("out"), "precious");
+}
+
+TEST_F(CliErrors, AnOutputFolderWithOtherFiles) {
+  std::filesystem::create_directory(folder_.path() / "out");
+  folder_.write("out/thesis.tex", "precious");
+  const ProgramResult result = run(kTiny);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "truescatter: out: holds 'thesis.tex', which is no result of truescatter"))
+      << result.err;
+  EXPECT_FALSE(contains(result.err, "scene")) << result.err;
+  EXPECT_EQ(text("out/thesis.tex"), "precious");
+}
+
+TEST_F(CliErrors, TheWorkingFolderForOutput) {
+  folder_.write("e.toml", kTiny);
+  const ProgramResult result = truescatter({"run", "e.toml", "--out", "."});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "truescatter: .: the program runs in this folder")) << result.err;
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"e.toml"});
+}
+
+// Not even root can make a folder there.
+TEST_F(CliErrors, AnOutputFolderThatCannotBeMade) {
+  folder_.write("e.toml", kTiny);
+  const ProgramResult result = truescatter({"run", "e.toml", "--out", "/proc/truescatter-out"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_TRUE(contains(result.err, "truescatter: /proc/truescatter-out: cannot make a folder beside it"))
+      << result.err;
+  EXPECT_FALSE(contains(result.err, "scene")) << result.err;
+}
+
+TEST_F(CliErrors, AnOutputFolderBelowAFile) {
+  folder_.write("e.toml", kTiny);
+  folder_.write("file", "precious");
+  const ProgramResult result = truescatter({"run", "e.toml", "--out", "file/out"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_TRUE(contains(result.err, "truescatter: file/out: cannot make a folder beside it")) << result.err;
+  EXPECT_EQ(text("file"), "precious");
+}
+
+TEST_F(CliErrors, AParentThatIsReadOnly) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  folder_.write("e.toml", kTiny);
+  const std::filesystem::path parent = folder_.path() / "parent";
+  std::filesystem::create_directory(parent);
+  std::filesystem::permissions(parent,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  const ProgramResult result = truescatter({"run", "e.toml", "--out", "parent/out"});
+  std::filesystem::permissions(parent, std::filesystem::perms::owner_all);
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_TRUE(contains(result.err, "parent/out: cannot make a folder beside it")) << result.err;
 }
 
 TEST_F(CliErrors, AThresholdOnNoMethod) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "cli/cli_fixture.h"
@@ -234,11 +235,61 @@ TEST_F(CliRun, ReportWritesTheReportAgain) {
   EXPECT_TRUE(exists("out/report.html"));
 }
 
-// A second run into the same folder replaces the first one's files.
-TEST_F(CliRun, ARunReplacesAnEarlierOne) {
+// Every file below a folder with its bytes.
+std::map<std::string, std::string> contents(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().lexically_relative(folder).string();
+    files[name] = entry.is_directory() ? "a folder" : read_text_file(entry.path());
+  }
+  return files;
+}
+
+// A second run into the same folder replaces the first one's files, those too that it does not write again.
+TEST_F(CliRun, ARunReplacesAnEarlierOneAsAWhole) {
   ASSERT_EQ(run(kTiny, {"--set", "name=first"}).exit_code, 0);
-  ASSERT_EQ(run(kTiny, {"--set", "name=second"}).exit_code, 0);
+  ASSERT_TRUE(exists("out/maps/front.spike-and-base.pscbf.exr"));
+  ASSERT_EQ(run(with(kTiny, "[[method]]\nname = \"pscbf\"", ""), {"--set", "name=second"}).exit_code, 0);
   EXPECT_EQ(json("out/results.json").at("experiment").at("name"), "second");
+  EXPECT_TRUE(exists("out/maps/front.spike-and-base.none.exr"));
+  for (const auto& [name, bytes] : contents(folder_.path()))
+    EXPECT_FALSE(contains(name, "pscbf") || contains(name, ".part") || contains(name, ".old")) << name;
+}
+
+// No file may grow beyond 4 KiB (8 blocks of 512 bytes), as on a full disk: the maps cannot be written.
+TEST_F(CliRun, AFailingRunLeavesTheEarlierResultByteForByte) {
+  ASSERT_EQ(run(kTiny).exit_code, 0);
+  const auto before = contents(folder_.path());
+  const ProgramResult result =
+      run_program("/bin/sh",
+                  {"-c", "trap '' XFSZ; ulimit -f 8; exec \"$0\" run e.toml --out out --set name=second",
+                   TRUESCATTER_BINARY},
+                  folder_.path());
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_TRUE(contains(result.err, "cannot write")) << result.err;
+  EXPECT_EQ(contents(folder_.path()), before);
+}
+
+// Without an earlier result nothing stays, not even the folders made on the way to it.
+TEST_F(CliRun, AFailingFirstRunLeavesNothing) {
+  folder_.write("e.toml", kTiny);
+  const ProgramResult result =
+      run_program("/bin/sh", {"-c", "trap '' XFSZ; ulimit -f 8; exec \"$0\" run e.toml", TRUESCATTER_BINARY},
+                  folder_.path());
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"e.toml"});
+}
+
+TEST_F(CliRun, WhatAKilledRunLeftIsRemovedAndSaid) {
+  const std::filesystem::path left = folder_.path() / ".out.4194305.part";  // above Linux' largest process id
+  std::filesystem::create_directories(left / "maps");
+  folder_.write(".out.4194305.part/maps/front.png", "half a picture");
+  const ProgramResult result = run(kTiny);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, ".out.4194305.part: left by a run that was killed; removed"))
+      << result.err;
+  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_TRUE(exists("out/report.html"));
 }
 
 }  // namespace

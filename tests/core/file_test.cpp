@@ -66,6 +66,47 @@ TEST(TemporarySibling, LiesBesideItsFileAndKeepsTheExtension) {
   EXPECT_NE(temporary.filename(), "a.exr");
 }
 
+TEST(TemporarySibling, IsKnownByItsName) {
+  for (const char* name : {"a.exr", "results.json", "front.skin.truth.exr", "noextension"}) {
+    EXPECT_TRUE(is_temporary_name(temporary_sibling(name).string())) << temporary_sibling(name);
+    EXPECT_FALSE(is_temporary_name(name));
+  }
+  for (const char* name : {".part", ".parts", ".a.part", ".12.part", ".a12.part", "a.12.part"})
+    EXPECT_FALSE(is_temporary_name(name)) << name;
+}
+
+using Exchange = void (*)(const fs::path&, const fs::path&, const fs::path&);
+
+class ExchangeNames : public testing::TestWithParam<Exchange> {};
+
+INSTANTIATE_TEST_SUITE_P(BothWays, ExchangeNames, testing::Values(&exchange_names, &exchange_names_in_steps));
+
+TEST_P(ExchangeNames, SwapsFoldersThatHoldFiles) {
+  const TempDir folder;
+  fs::create_directory(folder.path() / "a");
+  fs::create_directory(folder.path() / "b");
+  folder.write("a/file", "of a");
+  folder.write("b/file", "of b");
+  GetParam()(folder.path() / "a", folder.path() / "b", folder.path() / "spare");
+  EXPECT_EQ(read_text_file(folder.path() / "a/file"), "of b");
+  EXPECT_EQ(read_text_file(folder.path() / "b/file"), "of a");
+  EXPECT_EQ(folder.names().size(), 2U);
+}
+
+// `a` is not there: `b` has its name again.
+TEST_P(ExchangeNames, AFailureChangesNothing) {
+  const TempDir folder;
+  fs::create_directory(folder.path() / "b");
+  folder.write("b/file", "of b");
+  const auto error =
+      error_of([&] { GetParam()(folder.path() / "a", folder.path() / "b", folder.path() / "spare"); });
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->kind(), ErrorKind::run);
+  EXPECT_NE(std::string(error->what()).find((folder.path() / "b").string()), std::string::npos);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"b"});
+  EXPECT_EQ(read_text_file(folder.path() / "b/file"), "of b");
+}
+
 TEST(ReadTextFile, SaysWhichFileAndWhy) {
   const TempDir folder;
   const auto missing = error_of([&] { read_text_file(folder.path() / "none.txt"); });

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace truescatter {
+
+// Throws Error (input) if results may not go to `destination`: a file, a link that leads nowhere, the folder
+// that the program runs in (or one that holds it), a mount point, or a folder with anything in it that `run`
+// does not write. Writes nothing.
+void check_destination(const std::filesystem::path& destination);
+
+// A result folder that appears whole or not at all. All files are written to a temporary folder beside it,
+// `.<name>.<process>.part`, which `publish` puts in its place; until then an earlier result stays as it is,
+// and an object that goes without `publish` takes the temporary folder with it. The temporary folder is
+// locked (flock) as long as the object lives: one that is not is left over from a run that was killed.
+class ResultFolder {
+ public:
+  // Makes the temporary folder. Before, left-over ones of this destination are removed (a complete result is
+  // put in its place, if nothing is there), with a line on standard error for each. Throws Error: input as
+  // check_destination, run if the folder cannot be made.
+  explicit ResultFolder(const std::filesystem::path& destination);
+  ~ResultFolder();
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+  // Where to write.
+  const std::filesystem::path& working() const { return working_; }
+  // Puts the folder in its place and removes the earlier result (keeps it beside, with a note, if somebody
+  // has put other files there since the run began). Throws Error (run) if that fails; the earlier result is
+  // in its place then.
+  void publish();
+
+ private:
+  void make_parents();
+
+  std::filesystem::path target_;   // absolute, links followed
+  std::filesystem::path working_;  // beside it
+  std::vector<std::filesystem::path> made_parents_;
+  int lock_ = -1;
+  bool published_ = false;
+};
+
+}  // namespace truescatter
