@@ -12,6 +12,7 @@
 #include "experiment/plan.h"
 #include "experiment/result_folder.h"
 #include "experiment/run_experiment.h"
+#include "experiment/scene_setup.h"
 #include "methods/method.h"
 #include "metrics/flip.h"
 #include "profile/profile.h"
@@ -52,12 +53,15 @@ void print_stats(const std::string& name, const nlohmann::json& stats) {
 int run(const RunArguments& arguments) {
   const JobLimit limit(arguments.jobs);
   const ExperimentSpec spec = read_experiment(arguments.experiment, arguments.overrides);
-  if (arguments.dry_run) {
-    fmt::print("{}", describe_plan(spec, make_plan(spec)));
-    return 0;
-  }
   const std::filesystem::path folder =
       arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
+  if (arguments.dry_run) {
+    const Plan plan = make_plan(spec);
+    check_destination(folder);
+    fmt::print("{}output {}: {}\n", describe_plan(spec, plan, check_scene(spec)), folder.string(),
+               std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
+    return 0;
+  }
   ResultFolder results(folder);
   const RunOutcome outcome = run_experiment(spec, results.working());
   write_report(results.working());

@@ -28,6 +28,32 @@ Profile resolve_profile(const ProfileSpec& spec) {
                     spec.name, fmt::join(names, ", "));
 }
 
+std::string text_of(double value) { return fmt::format("{}", value); }
+std::string text_of(const SettingValue& value) {
+  return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
+}
+
+// " (name = value, ...)", or nothing.
+template <typename Value>
+std::string in_brackets(const std::map<std::string, Value>& values) {
+  std::vector<std::string> parts;
+  for (const auto& [name, value] : values) parts.push_back(name + " = " + text_of(value));
+  return parts.empty() ? "" : fmt::format(" ({})", fmt::join(parts, ", "));
+}
+
+std::string describe_truth(const std::string& view, const PlannedTruth& truth) {
+  std::vector<std::string> roles;
+  if (truth.is_headline()) roles.emplace_back("headline");
+  if (!truth.own_target_of.empty())
+    roles.push_back(fmt::format("own target of {}", fmt::join(truth.own_target_of, ", ")));
+  return fmt::format(
+      "truth {}: {}, {}, {}, {} Gaussians; {}{}\n", truth_id(view, *truth.profile, truth.target),
+      truth.target.geodesic ? "geodesic" : "Euclidean", truth.target.normalised ? "normalised" : "raw",
+      truth.target.r_max_mm ? fmt::format("cut at {} mm", *truth.target.r_max_mm) : "not cut",
+      gaussian_levels(*truth.profile).size(), fmt::join(roles, "; "),
+      truth.target.geodesic ? "; not computed by this version" : "");
+}
+
 }  // namespace
 
 Plan make_plan(const ExperimentSpec& spec) {
@@ -41,22 +67,52 @@ Plan make_plan(const ExperimentSpec& spec) {
   return plan;
 }
 
-std::string describe_plan(const ExperimentSpec& spec, const Plan& plan) {
-  std::string text =
-      fmt::format("{}: {} views x {} profiles x {} methods = {} runs\nscene {}\n", spec.name,
-                  spec.views.size(), plan.profiles.size(), plan.methods.size(),
-                  spec.views.size() * plan.profiles.size() * plan.methods.size(), spec.scene.mesh);
+std::vector<PlannedTruth> planned_truths(const Plan& plan) {
+  std::vector<PlannedTruth> truths;
+  for (const Profile& profile : plan.profiles) {
+    const std::size_t first = truths.size();
+    truths.push_back({&profile, OwnTarget{}, {}});
+    for (const PlannedMethod& m : plan.methods) {
+      const OwnTarget target = m.method->own_target(profile, m.settings);
+      auto known = std::find_if(truths.begin() + static_cast<std::ptrdiff_t>(first), truths.end(),
+                                [&](const PlannedTruth& t) { return t.target == target; });
+      if (known == truths.end()) known = truths.insert(truths.end(), {&profile, target, {}});
+      known->own_target_of.push_back(m.label);
+    }
+  }
+  return truths;
+}
+
+std::string truth_id(const std::string& view, const Profile& profile, const OwnTarget& target) {
+  std::string id = fmt::format("{}/{}/{}-{}", view, profile.name, target.geodesic ? "geodesic" : "euclidean",
+                               target.normalised ? "normalised" : "raw");
+  if (target.r_max_mm) id += fmt::format("-r{:.4g}", *target.r_max_mm);
+  return id;
+}
+
+std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const SceneOutline& scene) {
+  const std::size_t runs = spec.views.size() * plan.profiles.size() * plan.methods.size();
+  std::string text = fmt::format("{}: {} views x {} profiles x {} methods = {} runs\n", spec.name,
+                                 spec.views.size(), plan.profiles.size(), plan.methods.size(), runs);
+  text += fmt::format("scene {}{}\n", spec.scene.mesh, in_brackets(scene.parameters));
+  if (!spec.scene.skin_mask.empty()) text += fmt::format("skin mask {}\n", spec.scene.skin_mask);
+  for (const PlannedMethod& m : plan.methods)
+    text += fmt::format("method {}: {}{}\n", m.label, m.method->title, in_brackets(m.settings.values()));
+  const std::vector<PlannedTruth> truths = planned_truths(plan);
   for (const ViewSpec& view : spec.views) {
     text += fmt::format("view {}: {} x {} px\n", view.name, view.width_px, view.height_px);
+    for (const PlannedTruth& truth : truths) text += "  " + describe_truth(view.name, truth);
     for (const Profile& profile : plan.profiles) {
-      text += fmt::format("  truth {}: Euclidean, normalised, tolerance {}\n", profile.name,
-                          spec.truth.tolerance);
       for (const PlannedMethod& m : plan.methods) {
-        text += fmt::format("  run {} {} ({}), {} + {} frames\n", profile.name, m.label, m.method->title,
-                            spec.timing.warm_up, spec.timing.repeats);
+        const std::string id = fmt::format("{}/{}/{}", view.name, profile.name, m.label);
+        text += m.method->needs_uvs && !scene.has_uvs
+                    ? fmt::format("  skip {}: it needs UVs, and the mesh has none\n", id)
+                    : fmt::format("  run {}: {} + {} frames\n", id, spec.timing.warm_up, spec.timing.repeats);
       }
     }
   }
+  for (const ThresholdSpec& threshold : spec.thresholds)
+    text += fmt::format("threshold {}: {} <= {}\n", threshold.method, threshold.metric, threshold.maximum);
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "config/experiment_spec.h"
+#include "experiment/scene_setup.h"
 #include "methods/method.h"
 #include "profile/profile.h"
 
@@ -25,7 +26,23 @@ struct Plan {
 // Throws Error (input) at the offending line: unknown profile or method, a setting out of range.
 Plan make_plan(const ExperimentSpec& spec);
 
-// What a run would do, one line each, for --dry-run.
-std::string describe_plan(const ExperimentSpec& spec, const Plan& plan);
+// A truth that every view needs: a profile's headline, or what methods set out to compute.
+struct PlannedTruth {
+  const Profile* profile;  // of the plan
+  OwnTarget target;
+  std::vector<std::string> own_target_of;  // labels of methods
+
+  bool is_headline() const { return target == OwnTarget{}; }
+};
+
+// Each distinct target once, profile by profile, the headline first. Geodesic ones are not computed yet.
+std::vector<PlannedTruth> planned_truths(const Plan& plan);
+
+// A truth's name in results.json.
+std::string truth_id(const std::string& view, const Profile& profile, const OwnTarget& target);
+
+// What a run would do, for --dry-run: scene, methods with their settings, and for each view its truths and
+// runs.
+std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const SceneOutline& scene);
 
 }  // namespace truescatter

@@ -173,13 +173,6 @@ Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Met
   return measured;
 }
 
-std::string truth_id(const std::string& view, const Profile& profile, const OwnTarget& target) {
-  std::string id = fmt::format("{}/{}/{}-{}", view, profile.name, target.geodesic ? "geodesic" : "euclidean",
-                               target.normalised ? "normalised" : "raw");
-  if (target.r_max_mm) id += fmt::format("-r{:.4g}", *target.r_max_mm);
-  return id;
-}
-
 json truth_json(const std::string& view, const Profile& profile, const OwnTarget& target,
                 const TruthImage& truth, std::size_t points) {
   json object = target_json(target);
@@ -244,12 +237,8 @@ class ViewRunner {
 
   void compute_truths() {
     std::vector<ViewTruth::Request> requests;
-    for (const Profile& profile : setup_.plan.profiles) {
-      requests.push_back({&profile, OwnTarget{}});
-      for (const PlannedMethod& m : setup_.plan.methods) {
-        const OwnTarget target = m.method->own_target(profile, m.settings);
-        if (!target.geodesic) requests.push_back({&profile, target});
-      }
+    for (const PlannedTruth& truth : planned_truths(setup_.plan)) {
+      if (!truth.target.geodesic) requests.push_back({truth.profile, truth.target});
     }
     truth_.compute(requests, setup_.spec.truth, setup_.engine);
   }

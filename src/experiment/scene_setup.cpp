@@ -13,28 +13,37 @@ namespace {
 constexpr std::string_view kBuiltinPrefix = "builtin:";
 constexpr std::size_t kResidualSamples = 20000;
 
-Mesh load_scene_mesh(const ExperimentSpec& spec) {
-  const SceneSpec& scene = spec.scene;
-  if (scene.mesh.starts_with(kBuiltinPrefix)) {
-    const std::string name = scene.mesh.substr(kBuiltinPrefix.size());
-    const BuiltinParameters parameters(scene.parameters.begin(), scene.parameters.end());
-    try {
-      return make_builtin(name, parameters);
-    } catch (const Error& error) {
-      const std::vector<BuiltinScene>& known = builtin_scenes();
-      const bool named =
-          std::any_of(known.begin(), known.end(), [&](const BuiltinScene& s) { return s.name == name; });
-      const bool parameter = named && !scene.parameters.empty();
-      throw Error(error.kind(), parameter ? scene.parameters_where : scene.mesh_where, error.what());
-    }
+bool is_builtin(const SceneSpec& scene) { return scene.mesh.starts_with(kBuiltinPrefix); }
+
+// `use(name, parameters)` of the scene's built-in; its errors get the place in the experiment.
+template <typename Use>
+auto with_builtin(const SceneSpec& scene, const Use& use) {
+  const std::string name = scene.mesh.substr(kBuiltinPrefix.size());
+  try {
+    return use(name, BuiltinParameters(scene.parameters.begin(), scene.parameters.end()));
+  } catch (const Error& error) {
+    const std::vector<BuiltinScene>& known = builtin_scenes();
+    const bool named =
+        std::any_of(known.begin(), known.end(), [&](const BuiltinScene& s) { return s.name == name; });
+    const bool parameter = named && !scene.parameters.empty();
+    throw Error(error.kind(), parameter ? scene.parameters_where : scene.mesh_where, error.what());
   }
+}
+
+Mesh load_mesh_file(const ExperimentSpec& spec, int loop_subdivisions) {
+  const SceneSpec& scene = spec.scene;
   LoadOptions options;
   options.unit_mm = scene.unit_mm;
-  options.loop_subdivisions = scene.loop_subdivisions;
+  options.loop_subdivisions = loop_subdivisions;
   options.flip_v = scene.flip_v;
   if (scene.normals == "file") options.normals = NormalSource::file;
   if (scene.normals == "angle-weighted") options.normals = NormalSource::angle_weighted;
   return load_mesh(resolve_path(spec, scene.mesh, scene.mesh_where), options);
+}
+
+Mesh load_scene_mesh(const ExperimentSpec& spec) {
+  if (is_builtin(spec.scene)) return with_builtin(spec.scene, make_builtin);
+  return load_mesh_file(spec, spec.scene.loop_subdivisions);
 }
 
 Light light_of(const LightSpec& spec) {
@@ -48,9 +57,9 @@ Light light_of(const LightSpec& spec) {
   return light;
 }
 
-SkinMask load_mask(const ExperimentSpec& spec, const Mesh& mesh) {
+SkinMask load_mask(const ExperimentSpec& spec, bool has_uvs) {
   if (spec.scene.skin_mask.empty()) return {};
-  if (!mesh.has_uvs()) {
+  if (!has_uvs) {
     throw_input_error(spec.scene.skin_mask_where, "'scene.skin_mask' is a texture in UV, but {} has no UVs",
                       spec.scene.mesh);
   }
@@ -64,7 +73,7 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   PreparedScene scene;
   scene.mesh = load_scene_mesh(spec);
   if (scene.mesh.has_uvs()) scene.uvs = inspect_uvs(scene.mesh);
-  const SkinMask mask = load_mask(spec, scene.mesh);
+  const SkinMask mask = load_mask(spec, scene.mesh.has_uvs());
   std::vector<Light> lights;
   for (const LightSpec& light : spec.lights) lights.push_back(light_of(light));
   const Lighting lighting(scene.mesh, lights);
@@ -84,6 +93,20 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
     throw_input_error({spec.file.string()}, "no light reaches the skin: every irradiance is 0");
   }
   return scene;
+}
+
+SceneOutline check_scene(const ExperimentSpec& spec) {
+  SceneOutline outline;
+  if (is_builtin(spec.scene)) {
+    const BuiltinParameters parameters = with_builtin(spec.scene, complete_parameters);
+    outline.parameters.insert(parameters.begin(), parameters.end());
+    outline.has_uvs = true;  // all of them have
+  } else {
+    // Subdivision fails on nothing that loading lets pass.
+    outline.has_uvs = load_mesh_file(spec, 0).has_uvs();
+  }
+  load_mask(spec, outline.has_uvs);
+  return outline;
 }
 
 Camera camera_of(const ViewSpec& view) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 
 #include "config/experiment_spec.h"
 #include "irradiance/shading_mesh.h"
@@ -22,6 +24,16 @@ struct PreparedScene {
 // Loads or generates the mesh, lights it and refines it into the shading mesh.
 // Throws Error (input): see load_mesh, make_builtin, resolve_path; a skin mask without UVs; a dark scene.
 PreparedScene prepare_scene(const ExperimentSpec& spec);
+
+// What a scene is known to be before it is generated, lit and refined.
+struct SceneOutline {
+  bool has_uvs = false;
+  std::map<std::string, double> parameters;  // of a built-in scene, with its defaults
+};
+
+// Checks names and parameters of a built-in scene, and reads a mesh file and a skin mask; computes nothing.
+// Throws the Errors that prepare_scene gives for them.
+SceneOutline check_scene(const ExperimentSpec& spec);
 
 Camera camera_of(const ViewSpec& view);
 

@@ -415,10 +415,10 @@ const std::vector<BuiltinScene>& builtin_scenes() {
   return scenes;
 }
 
-Mesh make_builtin(std::string_view name, const BuiltinParameters& parameters) {
+BuiltinParameters complete_parameters(std::string_view name, const BuiltinParameters& given) {
   const BuiltinScene& scene = find_scene(name);
-  for (const auto& [parameter, value] : parameters) check_known(scene, parameter);
-  BuiltinParameters complete = parameters;
+  for (const auto& [parameter, value] : given) check_known(scene, parameter);
+  BuiltinParameters complete = given;
   for (const BuiltinParameter& parameter : scene.parameters) {
     const double value =
         complete.try_emplace(std::string(parameter.name), parameter.default_value).first->second;
@@ -428,7 +428,11 @@ Mesh make_builtin(std::string_view name, const BuiltinParameters& parameters) {
     throw_input_error({}, "the scene \"{}\" has edge_mm = {}: about {:.2g} triangles, and {:.2g} is the most",
                       scene.name, value_of(complete, "edge_mm"), triangles, kMostTriangles);
   }
-  return scene.generate(complete);
+  return complete;
+}
+
+Mesh make_builtin(std::string_view name, const BuiltinParameters& parameters) {
+  return find_scene(name).generate(complete_parameters(name, parameters));
 }
 
 }  // namespace truescatter

@@ -32,8 +32,12 @@ struct BuiltinScene {
 // The table of built-in scenes: head, sphere, plane, wedge, slab, tube, cards.
 const std::vector<BuiltinScene>& builtin_scenes();
 
+// A scene's parameters with defaults for those that are not given, checked without generating it.
+// Throws Error (input) for an unknown name or parameter, a value out of its range, or too many triangles.
+BuiltinParameters complete_parameters(std::string_view name, const BuiltinParameters& given);
+
 // Generates a scene by name; parameters that are not given take their defaults.
-// Throws Error (input) for an unknown name or parameter, or a value out of its range.
+// Throws Error (input): see complete_parameters.
 Mesh make_builtin(std::string_view name, const BuiltinParameters& parameters = {});
 
 // The bust: about 200 mm from chin-and-neck to crown, y up, looking along +z, closed, one UV atlas.

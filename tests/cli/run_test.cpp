@@ -174,12 +174,62 @@ TEST_F(CliRun, WithoutOutItWritesToRuns) {
   EXPECT_EQ(result.out, "runs/tiny/report.html\n");
 }
 
-TEST_F(CliRun, ADryRunWritesNothing) {
-  const ProgramResult result = run(kTiny, {"--dry-run"});
+TEST_F(CliRun, ADryRunListsWhatWouldRunAndWritesNothing) {
+  const std::string experiment = with(kTiny, "[timing]", R"([[method]]
+name = "pscbf"
+label = "coarse"
+settings.taps = 5
+[[method]]
+name = "texture-space"
+[[threshold]]
+method = "coarse"
+maximum = 0.5
+[timing])");
+  const ProgramResult result = run(experiment, {"--dry-run"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.out, "tiny: 1 views x 1 profiles x 2 methods = 2 runs")) << result.out;
-  EXPECT_TRUE(contains(result.out, "front: 48 x 48 px"));
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.out, R"(tiny: 1 views x 1 profiles x 4 methods = 4 runs
+scene builtin:plane (edge_mm = 5, size_mm = 20)
+method none: No scattering
+method pscbf: Pseudo-separable cross bilateral filter (placement = median, taps = 13)
+method coarse: Pseudo-separable cross bilateral filter (placement = median, taps = 5)
+method texture-space: Texture-space diffusion (stretch = raw, texture_size = 1024)
+view front: 48 x 48 px
+  truth front/spike-and-base/euclidean-normalised: Euclidean, normalised, not cut, 3 Gaussians; headline; own target of none
+  truth front/spike-and-base/euclidean-normalised-r4.5: Euclidean, normalised, cut at 4.5 mm, 3 Gaussians; own target of pscbf, coarse
+  truth front/spike-and-base/geodesic-normalised: geodesic, normalised, not cut, 3 Gaussians; own target of texture-space; not computed by this version
+  run front/spike-and-base/none: 0 + 1 frames
+  run front/spike-and-base/pscbf: 0 + 1 frames
+  run front/spike-and-base/coarse: 0 + 1 frames
+  run front/spike-and-base/texture-space: 0 + 1 frames
+threshold coarse: rmse <= 0.5
+output out: a new folder
+)");
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"e.toml"});
+}
+
+// What is listed is what runs: the truths and runs of results.json, in their order.
+TEST_F(CliRun, ADryRunListsTheTruthsAndRunsOfTheRun) {
+  const std::string experiment =
+      with(kTiny, "[[profile]]", "[[profile]]\nname = \"skin-six-gaussian\"\n[[profile]]");
+  std::vector<std::string> listed;
+  std::istringstream lines(run(experiment, {"--dry-run"}).out);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("  truth ") || line.starts_with("  run "))
+      listed.push_back(line.substr(0, line.find(':')));
+  }
+  ASSERT_EQ(run(experiment).exit_code, 0);
+  const Json results = json("out/results.json");
+  std::vector<std::string> done;
+  for (const Json& truth : results.at("truths"))
+    done.push_back("  truth " + truth.at("id").get<std::string>());
+  for (const Json& run : results.at("runs")) {
+    done.push_back("  run " + run.at("view").get<std::string>() + "/" + run.at("profile").get<std::string>() +
+                   "/" + run.at("label").get<std::string>());
+  }
+  EXPECT_EQ(listed, done);
+  EXPECT_EQ(listed.size(), 8U);  // two profiles, each with two truths and two runs
+  EXPECT_TRUE(contains(run(experiment, {"--dry-run"}).out, "output out: replaces what is there\n"));
 }
 
 TEST_F(CliRun, OverridesReachTheRun) {
@@ -216,6 +266,8 @@ TEST_F(CliRun, TextureSpaceWithoutUvsIsSkippedWithAReason) {
       with(with(kTiny, "mesh = \"builtin:plane\"\n[scene.parameters]\nsize_mm = 20.0\nedge_mm = 5.0\n",
                 "mesh = \"a.obj\"\n"),
            "\"pscbf\"", "\"texture-space\"");
+  EXPECT_TRUE(contains(run(experiment, {"--dry-run"}).out,
+                       "  skip front/spike-and-base/texture-space: it needs UVs, and the mesh has none\n"));
   const ProgramResult result = run(experiment);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json results = json("out/results.json");
