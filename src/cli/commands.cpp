@@ -16,6 +16,7 @@
 #include "methods/method.h"
 #include "metrics/flip.h"
 #include "profile/profile.h"
+#include "report/changes.h"
 #include "report/report.h"
 #include "scene/builtin.h"
 
@@ -48,6 +49,22 @@ void print_stats(const std::string& name, const nlohmann::json& stats) {
              text("mae"), text("rmse"), text("rel_rmse"), text("p50"), text("p95"), text("p99"), text("max"));
 }
 
+bool is_folder(const std::filesystem::path& path) { return std::filesystem::is_directory(path); }
+
+void refuse_mix(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  if (!is_folder(folder)) return;
+  if (!std::filesystem::exists(file)) throw_input_error({file.string()}, "no such folder");
+  throw_input_error({}, "{} is a folder and {} is a file; compare takes two pictures or two result folders",
+                    folder.string(), file.string());
+}
+
+int compare_folders(const CompareArguments& arguments) {
+  if (!arguments.mask.empty()) throw_input_error({}, "--mask is for pictures; these are result folders");
+  const nlohmann::json changes = result_changes(arguments.test, arguments.truth);
+  fmt::print("{}", arguments.json ? changes.dump(1) + "\n" : changes_text(changes));
+  return 0;
+}
+
 }  // namespace
 
 int run(const RunArguments& arguments) {
@@ -72,6 +89,9 @@ int run(const RunArguments& arguments) {
 }
 
 int compare(const CompareArguments& arguments) {
+  if (is_folder(arguments.test) && is_folder(arguments.truth)) return compare_folders(arguments);
+  refuse_mix(arguments.test, arguments.truth);
+  refuse_mix(arguments.truth, arguments.test);
   const Image test = read_rgb(arguments.test);
   const Image truth = read_rgb(arguments.truth);
   require_same_size(test, arguments.test, truth, arguments.truth);

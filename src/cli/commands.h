@@ -18,6 +18,7 @@ struct RunArguments {
 };
 int run(const RunArguments& arguments);
 
+// Two pictures, or two result folders (old, new).
 struct CompareArguments {
   std::filesystem::path test;
   std::filesystem::path truth;

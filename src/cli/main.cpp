@@ -33,10 +33,15 @@ int dispatch(int argc, char** argv) {
   run->add_flag("--dry-run", run_arguments.dry_run, "Check the experiment and list what would run");
 
   CompareArguments compare_arguments;
-  CLI::App* compare = app.add_subcommand("compare", "Measure the error of one picture against another");
-  compare->add_option("test", compare_arguments.test, "Picture to measure (EXR: its plain R, G, B)")
+  CLI::App* compare = app.add_subcommand(
+      "compare", "Measure one picture against another, or say what changed between two results");
+  compare
+      ->add_option("test", compare_arguments.test,
+                   "Picture to measure (EXR: its plain R, G, B), or the old result folder")
       ->required();
-  compare->add_option("truth", compare_arguments.truth, "Picture to measure against")->required();
+  compare
+      ->add_option("truth", compare_arguments.truth, "Picture to measure against, or the new result folder")
+      ->required();
   compare->add_option("--mask", compare_arguments.mask, "Picture that is not 0 where pixels count");
   compare->add_flag("--json", compare_arguments.json, "Print JSON");
 

@@ -9,7 +9,6 @@
 
 #include "config/experiment_spec.h"
 #include "config/toml_reader.h"
-#include "core/file.h"
 
 namespace truescatter {
 namespace {
@@ -375,22 +374,7 @@ std::string view_toml(const ViewSpec& view) {
 }  // namespace
 
 ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  const std::string text = read_text_file(file);
-  toml::value root;
-  try {
-    std::istringstream stream(text);
-    root = toml::parse(stream, file.string());
-  } catch (const toml::exception& error) {
-    // The column that toml11 gives is that of the line's beginning; the underlined text below shows the
-    // place.
-    std::string message = error.what();
-    if (const std::size_t reason = message.find(": ");
-        message.starts_with("[error]") && reason < message.find('\n')) {
-      message.erase(0, reason + 2);
-    }
-    throw Error(ErrorKind::input, {file.string(), static_cast<int>(error.location().line())},
-                "not valid TOML: " + message);
-  }
+  toml::value root = read_toml_file(file);
   for (const std::string& override_text : overrides) apply_override(root, override_text);
   return read_root(TomlTable(root, ""), file);
 }

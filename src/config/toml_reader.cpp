@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
+
+#include "core/file.h"
 
 namespace truescatter {
 namespace {
@@ -35,6 +38,24 @@ Vec3d as_vec3(const toml::value& value, const std::string& name) {
 }
 
 }  // namespace
+
+toml::value read_toml_file(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file);
+  try {
+    std::istringstream stream(text);
+    return toml::parse(stream, file.string());
+  } catch (const toml::exception& error) {
+    // The column that toml11 gives is that of the line's beginning; the underlined text below shows the
+    // place.
+    std::string message = error.what();
+    if (const std::size_t reason = message.find(": ");
+        message.starts_with("[error]") && reason < message.find('\n')) {
+      message.erase(0, reason + 2);
+    }
+    throw Error(ErrorKind::input, {file.string(), static_cast<int>(error.location().line())},
+                "not valid TOML: " + message);
+  }
+}
 
 void fail_at(const toml::value& value, const std::string& message) {
   const SourceLocation where = TomlTable::location_of(value);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <set>
 #include <string>
@@ -11,6 +12,9 @@
 #include "core/vec.h"
 
 namespace truescatter {
+
+// Parses a TOML file. Throws Error (input) that names the file, and the line where its syntax is wrong.
+toml::value read_toml_file(const std::filesystem::path& file);
 
 // A table of a TOML file that remembers which keys were asked for, so that unknown ones are errors.
 class TomlTable {

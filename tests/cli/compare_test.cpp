@@ -113,6 +113,159 @@ TEST_F(CliCompare, RefusesWhatItCannotCompare) {
                  {"test.exr: holds a value that is not finite"});
 }
 
+// Two folders as `run` writes them, the second with another setting, a method less and one more.
+class CliCompareResults : public Cli {
+ protected:
+  static std::string results(const std::string& commit, const nlohmann::json& runs) {
+    return nlohmann::json(
+               {{"schema", "truescatter-results-1"},
+                {"provenance", {{"version", "0.1.0"}, {"commit", commit}, {"gl_renderer", "llvmpipe"}}},
+                {"runs", runs}})
+        .dump(1);
+  }
+  static nlohmann::json entry(const std::string& label, const nlohmann::json& rmse, double bias) {
+    return {
+        {"scene", "builtin:plane"},
+        {"view", "front"},
+        {"profile", "skin"},
+        {"method", "pscbf"},
+        {"label", label},
+        {"metrics",
+         {{"rmse", rmse}, {"rel_rmse", 0.5}, {"bias", bias}, {"max", 2.0}, {"halo", {{"peak", nullptr}}}}},
+        {"cost", {{"frame_ms", {{"median", 4.0}}}, {"fetches_per_pixel", 61.0}}}};
+  }
+  void SetUp() override {
+    std::filesystem::create_directory(folder_.path() / "a");
+    std::filesystem::create_directory(folder_.path() / "b");
+    nlohmann::json moved = entry("both", 0.3, 0.0);
+    moved["cost"]["frame_ms"]["median"] = 5.0;
+    folder_.write("a/results.json", results("c1", {entry("both", 0.4, 0.0), entry("gone", 0.1, -0.1)}));
+    folder_.write("b/results.json", results("c2", {entry("come", 0.2, 0.2), moved}));
+    folder_.write(
+        "a/experiment.resolved.toml",
+        "[truth]\nseed = 1\n[[method]]\nname = \"pscbf\"\nlabel = \"both\"\n[method.settings]\ntaps = 13\n");
+    folder_.write(
+        "b/experiment.resolved.toml",
+        "[[method]]\nname = \"pscbf\"\nlabel = \"both\"\n[method.settings]\ntaps = 7\n[truth]\nseed = 1\n"
+        "tolerance = 1e-4\n");
+  }
+  nlohmann::json compared() const {
+    const ProgramResult result = truescatter({"compare", "a", "b", "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  }
+};
+
+// 0.4 -> 0.3 is a quarter less, 4 ms -> 5 ms a quarter more.
+TEST_F(CliCompareResults, SaysWhatChanged) {
+  const nlohmann::json changes = compared();
+  ASSERT_EQ(changes.at("runs").size(), 1U);
+  const nlohmann::json& run = changes.at("runs").at(0);
+  EXPECT_EQ(run.at("label"), "both");
+  const nlohmann::json& metrics = run.at("metrics");
+  EXPECT_EQ(metrics.at("rmse").at("old"), 0.4);
+  EXPECT_EQ(metrics.at("rmse").at("new"), 0.3);
+  EXPECT_NEAR(metrics.at("rmse").at("change").get<double>(), -0.25, 1e-15);
+  EXPECT_EQ(metrics.at("frame_ms").at("change"), 0.25);
+  for (const char* same : {"rel_rmse", "bias", "max", "fetches_per_pixel"})
+    EXPECT_EQ(metrics.at(same).at("change"), 0.0) << same;
+  EXPECT_TRUE(metrics.at("halo_peak").at("change").is_null());
+  EXPECT_EQ(metrics.at("halo_peak").at("change_reason"), "a value is missing");
+  EXPECT_EQ(changes.at("only_old").at(0).at("label"), "gone");
+  EXPECT_EQ(changes.at("only_new").at(0).at("label"), "come");
+  EXPECT_EQ(changes.at("provenance"), nlohmann::json({{"commit", {{"old", "c1"}, {"new", "c2"}}}}));
+  EXPECT_EQ(changes.at("experiment"),
+            nlohmann::json({{"method.both.settings.taps", {{"old", "13"}, {"new", "7"}}},
+                            {"truth.tolerance", {{"old", nullptr}, {"new", "0.0001"}}}}));
+}
+
+TEST_F(CliCompareResults, PrintsWhatChanged) {
+  const ProgramResult result = truescatter({"compare", "a", "b"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, R"(old: a
+new: b
+provenance:
+  commit: c1 -> c2
+experiment:
+  method.both.settings.taps: 13 -> 7
+  truth.tolerance: (none) -> 0.0001
+builtin:plane / front / skin / both
+  rmse                       0.4 -> 0.3          -25.00 %
+  rel_rmse                   0.5 -> 0.5          =
+  bias                         0 -> 0            =
+  max                          2 -> 2            =
+  halo_peak                    - -> -
+  frame_ms                     4 -> 5            +25.00 %
+  fetches_per_pixel           61 -> 61           =
+only in the old: builtin:plane / front / skin / gone
+only in the new: builtin:plane / front / skin / come
+)");
+}
+
+TEST_F(CliCompareResults, AFolderAgainstItselfIsTheSame) {
+  const ProgramResult result = truescatter({"compare", "a", "a"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.out, "provenance: the same\nexperiment: the same\n")) << result.out;
+  EXPECT_FALSE(contains(result.out, "%")) << result.out;
+  EXPECT_FALSE(contains(result.out, "only in")) << result.out;
+}
+
+// From nothing to something there is no relative change.
+TEST_F(CliCompareResults, AChangeFromZeroHasAReason) {
+  folder_.write("b/results.json", results("c1", nlohmann::json::array({entry("both", 0.4, 0.1)})));
+  const nlohmann::json bias = compared().at("runs").at(0).at("metrics").at("bias");
+  EXPECT_TRUE(bias.at("change").is_null());
+  EXPECT_EQ(bias.at("change_reason"), "the old value is 0");
+}
+
+// The same experiment, run from its resolved file: the path of the mesh is absolute there.
+TEST_F(CliCompareResults, AMovedSceneIsTheSameScene) {
+  nlohmann::json here = entry("both", 0.4, 0.0);
+  nlohmann::json there = here;
+  here["scene"] = "data/face.obj";
+  there["scene"] = "/elsewhere/data/face.obj";
+  folder_.write("a/results.json", results("c1", nlohmann::json::array({here})));
+  folder_.write("b/results.json", results("c1", nlohmann::json::array({there})));
+  EXPECT_EQ(compared().at("runs").size(), 1U);
+}
+
+TEST_F(CliCompareResults, WithoutAResolvedExperimentItSaysSo) {
+  std::filesystem::remove(folder_.path() / "b/experiment.resolved.toml");
+  const nlohmann::json changes = compared();
+  EXPECT_TRUE(changes.at("experiment").is_null());
+  EXPECT_EQ(changes.at("experiment_reason"), "there is no b/experiment.resolved.toml");
+  EXPECT_TRUE(contains(truescatter({"compare", "a", "b"}).out,
+                       "experiment: not compared, there is no b/experiment.resolved.toml\n"));
+}
+
+TEST_F(CliCompareResults, RefusesWhatItCannotCompare) {
+  expect_refused(
+      truescatter({"compare", "a", "a/results.json"}),
+      {"truescatter: a is a folder and a/results.json is a file; compare takes two pictures or two "
+       "result folders\n"});
+  expect_refused(truescatter({"compare", "a/results.json", "a"}),
+                 {"a is a folder and a/results.json is a file"});
+  expect_refused(truescatter({"compare", "a", "b", "--mask", "m.exr"}), {"--mask is for pictures"});
+  expect_refused(truescatter({"compare", "a", "none"}), {"truescatter: none: no such folder\n"});
+  // The comma before the brace: line 3, column 1.
+  folder_.write("b/results.json", "{\n \"schema\": \"truescatter-results-1\",\n}");
+  expect_refused(truescatter({"compare", "a", "b"}),
+                 {"truescatter: b/results.json:3:1: this is not valid JSON: "});
+  folder_.write("b/results.json", "");
+  expect_refused(truescatter({"compare", "a", "b"}), {"b/results.json:1:1: this is not valid JSON"});
+  folder_.write("b/results.json", "{\"schema\": \"truescatter-results-2\"}");
+  expect_refused(truescatter({"compare", "a", "b"}),
+                 {"b/results.json: the schema is \"truescatter-results-2\"; this version knows "});
+  folder_.write("b/results.json", results("c1", nlohmann::json::array({{{"scene", 1}}})));
+  expect_refused(truescatter({"compare", "a", "b"}), {"b/results.json: the results are not laid out"});
+  folder_.write("b/results.json", results("c1", {entry("x", 1, 1), entry("x", 1, 1)}));
+  expect_refused(truescatter({"compare", "a", "b"}),
+                 {"b/results.json: two runs have the name builtin:plane / front / skin / x"});
+  std::filesystem::remove(folder_.path() / "b/results.json");
+  expect_refused(truescatter({"compare", "a", "b"}),
+                 {"b/results.json: no such file; a folder that `run` has written"});
+}
+
 TEST_F(CliCompare, ListNamesEverythingThereIs) {
   const ProgramResult result = truescatter({"list"});
   EXPECT_EQ(result.exit_code, 0);

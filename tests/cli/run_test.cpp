@@ -164,6 +164,16 @@ TEST_F(CliRun, TheResolvedExperimentRepeatsTheRun) {
   EXPECT_EQ(without_times(json("out/results.json")).dump(1),
             without_times(json("again/results.json")).dump(1));
   EXPECT_EQ(text("out/experiment.resolved.toml"), text("again/experiment.resolved.toml"));
+  // `compare` says the same of the two folders: nothing but time has changed.
+  const Json changes = Json::parse(truescatter({"compare", "out", "again", "--json"}).out);
+  EXPECT_EQ(changes.at("experiment"), Json::object());
+  EXPECT_EQ(changes.at("runs").size(), 2U);
+  for (const Json& run : changes.at("runs")) {
+    for (const auto& [name, metric] : run.at("metrics").items()) {
+      if (name == "frame_ms") continue;
+      EXPECT_EQ(metric.at("old"), metric.at("new")) << name;
+    }
+  }
 }
 
 TEST_F(CliRun, WithoutOutItWritesToRuns) {
