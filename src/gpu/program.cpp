@@ -124,6 +124,7 @@ void Program::set(const char* name, const Texture& texture, int unit) const {
   context_->gl().ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   context_->gl().BindTexture(GL_TEXTURE_2D, texture.id());
   set(name, unit);
+  set((std::string(name) + "_texel_bytes").c_str(), static_cast<float>(bytes_per_texel(texture.format())));
 }
 
 FullScreen::FullScreen(const Context& context) : context_(context) {

@@ -41,7 +41,8 @@ class Program {
   void set(const char* name, const Mat4d& value) const;
   void set(const char* name, std::span<const float> values) const;
   void set(const char* name, std::span<const Vec3f> values) const;
-  // Binds a texture to a unit and the sampler to that unit.
+  // Binds a texture to a unit and the sampler to that unit. Where the program has a float
+  // "<name>_texel_bytes", it becomes the size of the texture's texels.
   void set(const char* name, const Texture& texture, int unit) const;
 
  private:

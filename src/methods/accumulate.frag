@@ -1,6 +1,6 @@
 // Adds one blurred level, times its weight, to the result (by blending), on skin.
-uniform sampler2D irradiance;
-uniform sampler2D level;
+SAMPLER(irradiance);
+SAMPLER(level);
 uniform vec3 weight;
 
 void main() {

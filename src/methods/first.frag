@@ -1,5 +1,5 @@
 // The first layer of a result: the light that leaves where it entered on skin, the plain irradiance elsewhere.
-uniform sampler2D irradiance;
+SAMPLER(irradiance);
 uniform vec3 delta_weight;
 
 void main() {

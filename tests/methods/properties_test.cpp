@@ -149,7 +149,9 @@ TEST_P(EveryMethod, CountsItsPassesAndReads) {
   const Image after = gpu::read_texture(Scene::context(), *prepared.output, 3);
   EXPECT_EQ(counts.passes == 0, method().name == "none");
   EXPECT_EQ(counts.texels_read > 0.0, counts.passes > 0);
-  EXPECT_EQ(counts.bytes_read, 16.0 * counts.texels_read);
+  // No format has texels of more than 16 bytes, or of less than one; what each is counted as: cost_test.cpp.
+  EXPECT_LE(counts.bytes_read, 16.0 * counts.texels_read);
+  EXPECT_GE(counts.bytes_read, counts.texels_read);
   // Counting does not change the picture.
   EXPECT_EQ(largest_difference(before, after, scene.images().mask, 0), 0.0);
 }

@@ -12,7 +12,7 @@
 // divided by their own sum) where all taps lie on the lit surface; at a border it loses light by design.
 // Identity: at s -> 0 the neighbours' weight exp(-1 / 2 std_dev_px^2) is below 1e-10 at 0.15 px. Mirror:
 // taps are symmetric, so up to the order of float additions (2e-6).
-uniform sampler2D source;
+SAMPLER(source);
 uniform int axis;
 uniform float std_dev_px;
 

@@ -26,9 +26,9 @@
 // Limits. Constant: normalised, so to float rounding, 1e-6. Identity: once the outermost tap lies within half
 // a pixel, every tap reads the centre: exactly the identity (to rounding, 1e-6). Mirror: taps are symmetric
 // and rounded away from the centre alike, so to rounding of exp and sums, 1e-5.
-uniform sampler2D source;
-uniform sampler2D position;
-uniform sampler2D normal;
+SAMPLER(source);
+SAMPLER(position);
+SAMPLER(normal);
 uniform int axis;
 uniform float r_max_mm;
 uniform float focal_px;

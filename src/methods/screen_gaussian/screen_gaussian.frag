@@ -21,8 +21,8 @@
 // Identity: taps at 3 s px read bilinearly, so the error is <= 2 * (.006*3 + .061*2 + .242) s_px = 0.76 s_px
 // times the largest step between neighbouring pixels, per axis and level. Mirror: hardware derivatives are
 // one-sided within 2 x 2 blocks, which mirroring maps onto each other for an even width.
-uniform sampler2D source;
-uniform sampler2D position;
+SAMPLER(source);
+SAMPLER(position);
 uniform int axis;
 uniform float std_dev_mm;
 uniform float focal_px;

@@ -1,8 +1,8 @@
 // Adds one level of the texture-space blur, read at the pixel's uv, to the picture (by blending). Coverage
 // divides out what lies outside the chart; a pixel whose four texels all miss keeps its irradiance.
-uniform sampler2D irradiance;
-uniform sampler2D surface_uv;
-uniform sampler2D level;
+SAMPLER(irradiance);
+SAMPLER(surface_uv);
+SAMPLER(level);
 uniform vec3 weight;
 
 void main() {

@@ -20,8 +20,8 @@
 // no narrower than a texel: at s -> 0 what remains is the bilinear reading of point-sampled irradiance, whose
 // error is at most half a texel's diagonal times the irradiance's gradient. Mirror: in the picture, exact to
 // that same reading; in uv, taps are symmetric.
-uniform sampler2D source;   // rgb: irradiance times alpha, a: coverage
-uniform sampler2D stretch;  // rg: texels per mm
+SAMPLER(source);   // rgb: irradiance times alpha, a: coverage
+SAMPLER(stretch);  // rg: texels per mm
 uniform int axis;
 uniform float std_dev_mm;
 uniform float mean_texels_per_mm;  // > 0: the stretch map is off
