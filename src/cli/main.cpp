@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "core/error.h"
@@ -14,6 +16,19 @@ using truescatter::cli::RunArguments;
 
 constexpr int kUsageError = 2;
 constexpr int kRunFailed = 3;
+
+// The parser would only say that a command is missing.
+void refuse_unknown_command(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  const std::string known = fmt::format("there are: {} (see --help)", fmt::join(names, ", "));
+  if (argc < 2) truescatter::throw_input_error({}, "a command is needed; {}", known);
+  const std::string word = argv[1];
+  if (word == "--help" || word == "-h" || std::find(names.begin(), names.end(), word) != names.end()) return;
+  if (word.starts_with('-'))
+    truescatter::throw_input_error({}, "'{}' where a command is needed; {}", word, known);
+  truescatter::throw_input_error({}, "there is no command '{}'; {}", word, known);
+}
 
 int dispatch(int argc, char** argv) {
   CLI::App app("truescatter: how wrong real-time skin scattering is, where, why, and at what cost",
@@ -51,6 +66,7 @@ int dispatch(int argc, char** argv) {
 
   CLI::App* list = app.add_subcommand("list", "List methods, profiles and built-in scenes");
 
+  refuse_unknown_command(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
