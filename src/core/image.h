@@ -30,8 +30,10 @@ class Image {
   Vec3d rgb(int x, int y) const { return {at(x, y, 0), at(x, y, 1), at(x, y, 2)}; }
   void set_rgb(int x, int y, const Vec3d& value);
 
-  std::span<float> data() { return data_; }
-  std::span<const float> data() const { return data_; }
+  std::span<float> data() & { return data_; }
+  std::span<const float> data() const& { return data_; }
+  void data() && = delete;  // the span would outlive the image
+  void data() const&& = delete;
 
  private:
   std::size_t index(int x, int y, int c) const {
