@@ -1,0 +1,64 @@
+#include "experiment/map_files.h"
+
+#include <functional>
+#include <vector>
+
+#include "core/image_io.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+#include "metrics/map_picture.h"
+
+namespace truescatter {
+namespace {
+
+using Job = std::function<void()>;
+
+// What has to be written for one view; each job is one file.
+void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, double range, double exposure,
+              std::vector<Job>& jobs) {
+  jobs.emplace_back([&view, maps, exposure] {
+    write_png(maps / (view.name + ".irradiance.png"), display_picture(view.irradiance, exposure));
+  });
+  for (const ViewMaps::Truth& truth : view.truths) {
+    jobs.emplace_back([&truth, maps, exposure] {
+      write_png(maps / (truth.stem + ".png"), display_picture(truth.rgb, exposure));
+    });
+    jobs.emplace_back([&view, &truth, maps] {
+      write_exr(
+          maps / (truth.stem + ".exr"),
+          {{"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &view.irradiance}, {"mask", &view.mask}});
+    });
+  }
+  for (const ViewMaps::Run& run : view.runs) {
+    jobs.emplace_back([&run, maps, exposure] {
+      write_png(maps / (run.stem + ".png"), display_picture(run.exitance, exposure));
+    });
+    jobs.emplace_back([&view, &run, maps, range] {
+      write_png(maps / (run.stem + ".abs.png"),
+                map_picture(run.error, view.measured, MapKind::magnitude, range, "|ERROR| LUMINANCE"));
+    });
+    jobs.emplace_back([&view, &run, maps, range] {
+      write_png(maps / (run.stem + ".signed.png"),
+                map_picture(run.error, view.measured, MapKind::signed_error, range, "ERROR LUMINANCE"));
+    });
+    jobs.emplace_back([&view, &run, maps] {
+      write_exr(maps / (run.stem + ".exr"),
+                {{"", &run.exitance}, {"error", &run.error}, {"mask", &view.mask}});
+    });
+  }
+}
+
+}  // namespace
+
+void write_maps(const std::list<ViewMaps>& views, const std::filesystem::path& folder, double range,
+                double exposure) {
+  std::vector<Job> jobs;
+  for (const ViewMaps& view : views) add_jobs(view, folder, range, exposure, jobs);
+  Progress progress("maps", jobs.size());
+  parallel_for(jobs.size(), [&](std::size_t i) {
+    jobs[i]();
+    progress.advance();
+  });
+}
+
+}  // namespace truescatter

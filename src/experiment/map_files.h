@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <list>
+#include <string>
+
+#include "core/image.h"
+
+namespace truescatter {
+
+// The pictures of one view. They wait until the experiment is through, for error maps share one range.
+struct ViewMaps {
+  struct Truth {
+    std::string stem;  // of its files' names
+    Image rgb;
+    Image mass;
+  };
+  struct Run {
+    std::string stem;
+    Image exitance;
+    Image error;
+  };
+
+  std::string name;
+  Image irradiance;
+  Image mask;      // skin
+  Image measured;  // skin with mass enough to be measured
+  std::list<Truth> truths;
+  std::list<Run> runs;
+};
+
+// Writes every view's pictures into `folder`, in parallel: PNG for the eye and EXR with the numbers.
+// `range`: the end of the error maps' colours. `exposure`: what turns the brightest irradiance into white.
+// Throws Error (run) that names the file that cannot be written.
+void write_maps(const std::list<ViewMaps>& views, const std::filesystem::path& folder, double range,
+                double exposure);
+
+}  // namespace truescatter

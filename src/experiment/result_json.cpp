@@ -1,0 +1,93 @@
+#include "experiment/result_json.h"
+
+namespace truescatter {
+namespace {
+
+using nlohmann::json;
+
+json certificate_json(const Certificate& certificate) {
+  return {{"audited", certificate.audited},
+          {"max_error", certificate.max_error},
+          {"tolerance", certificate.tolerance},
+          {"tail_bound", certificate.tail_bound},
+          {"open_share_95", certificate.open_share}};
+}
+
+json rgb_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace
+
+json target_json(const OwnTarget& target) {
+  json object = {{"metric", target.geodesic ? "geodesic" : "euclidean"}, {"normalised", target.normalised}};
+  object["r_max_mm"] = target.r_max_mm ? json(*target.r_max_mm) : json();
+  return object;
+}
+
+json settings_json(const Settings& settings) {
+  json object = json::object();
+  for (const auto& [name, value] : settings.values()) {
+    std::visit([&, key = name](const auto& v) { object[key] = v; }, value);
+  }
+  return object;
+}
+
+json profile_json(const Profile& profile) {
+  json terms = json::array();
+  for (const GaussianTerm& term : profile.terms) {
+    terms.push_back({{"variance_mm2", rgb_json(term.variance_mm2)}, {"weight", rgb_json(term.weight)}});
+  }
+  return {{"name", profile.name},
+          {"title", profile.title},
+          {"source", profile.source},
+          {"delta_weight", rgb_json(profile.delta_weight)},
+          {"gaussians", terms},
+          {"total_weight", rgb_json(profile.total_weight())},
+          {"widest_std_dev_mm", profile.widest_std_dev_mm()},
+          {"r_max_mm", profile.r_max_mm}};
+}
+
+json scene_json(const ExperimentSpec& spec, const PreparedScene& scene) {
+  std::size_t skin = 0;
+  for (const ShadingTriangle& triangle : scene.shading.triangles) skin += triangle.skin ? 1 : 0;
+  json object = {{"mesh", spec.scene.mesh},
+                 {"triangles", scene.mesh.triangle_count()},
+                 {"area_mm2", surface_area_mm2(scene.mesh)},
+                 {"shading_triangles", scene.shading.triangles.size()},
+                 {"skin_triangles", skin},
+                 {"skin_components", scene.shading.component_count},
+                 {"largest_irradiance", scene.largest_irradiance},
+                 {"irradiance_residual",
+                  {{"mean", scene.shading.residual.mean},
+                   {"p99", scene.shading.residual.p99},
+                   {"tolerance", spec.shading.tolerance},
+                   {"floor_mm", spec.shading.floor_mm}}}};
+  if (!scene.uvs) {
+    object["uv"] = nullptr;
+    return object;
+  }
+  const UvReport& uv = *scene.uvs;
+  object["uv"] = {{"flipped", uv.flipped},
+                  {"zero_area", uv.zero_area},
+                  {"overlapping", uv.overlapping},
+                  {"outside_unit_square", uv.outside_unit_square},
+                  {"mm_per_unit_median", uv.mm_per_unit_median},
+                  {"mm_per_unit_p05", uv.mm_per_unit_p05},
+                  {"mm_per_unit_p95", uv.mm_per_unit_p95},
+                  {"anisotropy_p95", uv.anisotropy_p95}};
+  return object;
+}
+
+json truth_json(const std::string& view, const Profile& profile, const OwnTarget& target,
+                const TruthImage& truth, std::size_t points) {
+  json object = target_json(target);
+  object["id"] = truth_id(view, profile, target);
+  object["view"] = view;
+  object["profile"] = profile.name;
+  object["seconds"] = truth.seconds;
+  object["points"] = points;
+  object["uncertainty"] = truth.certificate.uncertainty();
+  object["certificate"] = certificate_json(truth.certificate);
+  return object;
+}
+
+}  // namespace truescatter

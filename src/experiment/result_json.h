@@ -1,0 +1,24 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "experiment/plan.h"
+#include "experiment/scene_setup.h"
+#include "experiment/view_truth.h"
+
+namespace truescatter {
+
+// Parts of results.json (DESIGN section 4) that say what a run was made of.
+
+// The mesh, its shading mesh and UVs, and how well irradiance is resolved.
+nlohmann::json scene_json(const ExperimentSpec& spec, const PreparedScene& scene);
+nlohmann::json profile_json(const Profile& profile);
+nlohmann::json settings_json(const Settings& settings);
+// metric, normalised, r_max_mm.
+nlohmann::json target_json(const OwnTarget& target);
+// An entry of truths[]: the target with its id, cost and certificate.
+nlohmann::json truth_json(const std::string& view, const Profile& profile, const OwnTarget& target,
+                          const TruthImage& truth, std::size_t points);
+
+}  // namespace truescatter

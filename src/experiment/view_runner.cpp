@@ -1,0 +1,256 @@
+#include "experiment/view_runner.h"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <utility>
+
+#include "core/progress.h"
+#include "experiment/metrics_json.h"
+#include "experiment/result_json.h"
+#include "experiment/view_truth.h"
+#include "gpu/timer.h"
+#include "metrics/contours.h"
+#include "metrics/error_stats.h"
+#include "metrics/map_picture.h"
+
+namespace truescatter {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSmallMass = 0.5;
+
+struct Measured {
+  Image exitance;
+  json cost;
+};
+
+std::size_t skin_pixels(const Image& mask) {
+  return static_cast<std::size_t>(
+      std::count_if(mask.data().begin(), mask.data().end(), [](float v) { return v > 0.0F; }));
+}
+
+Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Method& method,
+                       std::size_t pixels) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const PreparedMethod prepared = method.prepare(inputs);
+  setup.context.finish();
+  const double setup_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  Passes passes(setup.context);
+  const Passes::Counts counts = passes.count([&] { prepared.render(passes); });
+  const gpu::FrameTimes times = gpu::time_frames(
+      setup.context, [&] { prepared.render(passes); }, setup.spec.timing.warm_up, setup.spec.timing.repeats);
+  setup.context.check(std::string(method.name).c_str());
+  Measured measured;
+  measured.exitance = gpu::read_texture(setup.context, *prepared.output, 3);
+  const double per_pixel = pixels > 0 ? 1.0 / static_cast<double>(pixels) : 0.0;
+  measured.cost = {{"frame_ms",
+                    {{"median", times.median_ms},
+                     {"min", times.min_ms},
+                     {"max", times.max_ms},
+                     {"repeats", times.repeats}}},
+                   {"setup_ms", setup_ms},
+                   {"passes", counts.passes},
+                   {"fetches_per_pixel", counts.texels_read * per_pixel},
+                   {"bytes_per_pixel", counts.bytes_read * per_pixel}};
+  return measured;
+}
+
+// The pixels that are measured: skin whose smallest mass is at least one half; the others are counted apart.
+Image measured_mask(const Image& skin, const Image& mass) {
+  Image mask = skin;
+  for (std::size_t i = 0; i < mask.data().size(); ++i) {
+    if (mass.data()[i] < static_cast<float>(kSmallMass)) mask.data()[i] = 0.0F;
+  }
+  return mask;
+}
+
+// The truths of a profile in one view, each assembled once; the headline first.
+struct ProfileTruths {
+  std::vector<std::pair<OwnTarget, TruthImage>> images;
+
+  const TruthImage& headline() const { return images.front().second; }
+  const TruthImage& of(const OwnTarget& target) const {
+    const auto found =
+        std::find_if(images.begin(), images.end(), [&](const auto& entry) { return entry.first == target; });
+    assert(found != images.end());
+    return found->second;
+  }
+};
+
+// What every method is compared with under one profile.
+struct Comparison {
+  const Profile& profile;
+  const ProfileTruths& truths;
+  const Image& mask;  // the pixels that are measured
+  const FlipReference& flip;
+};
+
+class ViewRunner {
+ public:
+  ViewRunner(const Setup& setup, const ViewSpec& view, json& results)
+      : setup_(setup),
+        name_(view.name),
+        results_(results),
+        frame_(render_frame(setup.context, setup.surface, setup.scene.shading, camera_of(view))),
+        images_(read_frame(setup.context, frame_)),
+        median_depth_mm_(median_skin_depth_mm(images_)),
+        truth_(setup.scene, setup.skin, images_),
+        contours_(
+            find_contours({images_.mask, images_.position, images_.face_normal, frame_.camera.focal_px()})) {
+    maps_.name = view.name;
+    maps_.irradiance = images_.irradiance;
+    maps_.mask = images_.mask;
+    maps_.measured = images_.mask;
+  }
+
+  ViewMaps run() {
+    results_["views"].push_back({{"name", name_},
+                                 {"width_px", frame_.camera.width_px},
+                                 {"height_px", frame_.camera.height_px},
+                                 {"skin_pixels", truth_.point_count()},
+                                 {"median_skin_depth_mm", median_depth_mm_},
+                                 {"mm_per_px", mm_per_px()},
+                                 {"files", {{"irradiance", "maps/" + name_ + ".irradiance.png"}}}});
+    if (truth_.point_count() == 0)
+      throw_input_error({setup_.spec.file.string()}, "view '{}' sees no skin", name_);
+    compute_truths();
+    Progress progress(fmt::format("view {}: methods", name_),
+                      setup_.plan.profiles.size() * setup_.plan.methods.size());
+    for (const Profile& profile : setup_.plan.profiles) {
+      measure_profile(profile, progress);
+    }
+    return std::move(maps_);
+  }
+
+ private:
+  double mm_per_px() const { return median_depth_mm_ / frame_.camera.focal_px(); }
+
+  void compute_truths() {
+    std::vector<ViewTruth::Request> requests;
+    for (const PlannedTruth& truth : planned_truths(setup_.plan)) {
+      if (!truth.target.geodesic) requests.push_back({truth.profile, truth.target});
+    }
+    truth_.compute(requests, setup_.spec.truth, setup_.engine);
+  }
+
+  void measure_profile(const Profile& profile, Progress& progress) {
+    const ProfileTruths truths = assemble(profile);
+    const Image mask = measured_mask(images_.mask, truths.headline().smallest_mass);
+    const FlipReference flip(exposed(truths.headline().rgb, setup_.exposure()));
+    add_truths(profile, truths, mask);
+    for (const PlannedMethod& m : setup_.plan.methods) {
+      measure_method(m, {profile, truths, mask, flip});
+      progress.advance();
+    }
+    // Maps show what is measured under every profile.
+    for (std::size_t i = 0; i < mask.data().size(); ++i) {
+      maps_.measured.data()[i] = std::min(maps_.measured.data()[i], mask.data()[i]);
+    }
+  }
+
+  ProfileTruths assemble(const Profile& profile) const {
+    ProfileTruths truths;
+    for (const PlannedTruth& truth : planned_truths(setup_.plan)) {
+      if (truth.profile != &profile || truth.target.geodesic) continue;
+      truths.images.emplace_back(truth.target, truth_.image({&profile, truth.target}));
+    }
+    return truths;
+  }
+
+  void add_truths(const Profile& profile, const ProfileTruths& truths, const Image& mask) {
+    const std::string stem = name_ + "." + profile.name + ".truth";
+    for (const auto& [target, image] : truths.images) {
+      json truth = truth_json(name_, profile, target, image, truth_.point_count());
+      if (target == OwnTarget{}) {
+        truth["low_mass_pixels"] = skin_pixels(images_.mask) - skin_pixels(mask);
+        truth["files"] = {{"picture", "maps/" + stem + ".png"}, {"exr", "maps/" + stem + ".exr"}};
+      }
+      results_["truths"].push_back(truth);
+    }
+    maps_.truths.push_back({stem, truths.headline().rgb, truths.headline().smallest_mass});
+  }
+
+  void measure_method(const PlannedMethod& planned, const Comparison& against) {
+    const Method& method = *planned.method;
+    const Profile& profile = against.profile;
+    json run = {{"scene", setup_.spec.scene.mesh},
+                {"view", name_},
+                {"method", method.name},
+                {"label", planned.label},
+                {"title", method.title},
+                {"source", method.source},
+                {"profile", profile.name},
+                {"settings", settings_json(planned.settings)},
+                {"truth", truth_id(name_, profile, OwnTarget{})}};
+    if (method.needs_uvs && !setup_.surface.has_uvs()) {
+      run["skipped"] = "this method needs UVs, and the mesh has none";
+      results_["runs"].push_back(run);
+      return;
+    }
+    const MethodInputs inputs{setup_.context,   frame_,  setup_.surface,
+                              median_depth_mm_, profile, planned.settings};
+    const Measured measured = draw_and_time(setup_, inputs, method, truth_.point_count());
+    run["cost"] = measured.cost;
+    add_metrics(run, measured.exitance, against);
+    run["own_target"] = own_target_json(planned, measured.exitance, against);
+    add_maps(run, profile.name + "." + planned.label, measured.exitance, against);
+    results_["runs"].push_back(run);
+  }
+
+  void add_metrics(json& run, const Image& exitance, const Comparison& against) const {
+    const TruthImage& truth = against.truths.headline();
+    run["metrics"] =
+        metrics_json(exitance, {truth.rgb, against.mask, contours_, against.profile.widest_std_dev_mm(),
+                                mm_per_px(), against.flip, setup_.exposure()});
+    // Below the truth's uncertainty nothing can be told from the truth.
+    const double uncertainty = truth.certificate.uncertainty() * setup_.scene.largest_irradiance;
+    const json rmse = run["metrics"]["rmse"];
+    run["distinguishable"] = rmse.is_number() ? json(rmse.get<double>() > uncertainty) : json();
+    if (!rmse.is_number()) run["distinguishable_reason"] = "no pixel to measure";
+  }
+
+  json own_target_json(const PlannedMethod& planned, const Image& exitance, const Comparison& against) const {
+    const OwnTarget target = planned.method->own_target(against.profile, planned.settings);
+    json own = target_json(target);
+    if (target.geodesic) {
+      own["truth"] = nullptr;
+      own["metrics"] = nullptr;
+      own["metrics_reason"] = "its target is geodesic, and this version computes Euclidean truths only";
+      return own;
+    }
+    own["truth"] = truth_id(name_, against.profile, target);
+    own["metrics"] = error_stats_json(exitance, against.truths.of(target).rgb, against.mask);
+    return own;
+  }
+
+  void add_maps(json& run, const std::string& name, const Image& exitance, const Comparison& against) {
+    const std::string stem = name_ + "." + name;
+    run["files"] = {{"picture", "maps/" + stem + ".png"},
+                    {"magnitude", "maps/" + stem + ".abs.png"},
+                    {"signed", "maps/" + stem + ".signed.png"},
+                    {"exr", "maps/" + stem + ".exr"}};
+    maps_.runs.push_back(
+        {stem, exitance, signed_error(exitance, against.truths.headline().rgb, images_.mask)});
+  }
+
+  const Setup& setup_;
+  std::string name_;
+  json& results_;
+  Frame frame_;
+  FrameImages images_;
+  double median_depth_mm_;
+  ViewTruth truth_;
+  ContourMap contours_;
+  ViewMaps maps_;
+};
+
+}  // namespace
+
+ViewMaps run_view(const Setup& setup, const ViewSpec& view, json& results) {
+  return ViewRunner(setup, view, results).run();
+}
+
+}  // namespace truescatter

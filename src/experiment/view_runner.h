@@ -1,0 +1,32 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "experiment/map_files.h"
+#include "experiment/plan.h"
+#include "experiment/scene_setup.h"
+#include "gpu/context.h"
+#include "methods/frame.h"
+#include "truth/fast.h"
+
+namespace truescatter {
+
+// What stays the same for all runs of an experiment.
+struct Setup {
+  const ExperimentSpec& spec;
+  const Plan& plan;
+  const PreparedScene& scene;
+  const gpu::Context& context;
+  const SurfaceBuffers& surface;
+  const Surface& skin;
+  const FastEngine& engine;
+
+  double exposure() const { return 1.0 / scene.largest_irradiance; }
+};
+
+// Renders a view, computes its truths, draws, times and measures every method under every profile. Appends to
+// views[], truths[] and runs[] of `results`, and returns the pictures.
+// Throws Error: input for a view that sees no skin, run for a failed audit or the driver.
+ViewMaps run_view(const Setup& setup, const ViewSpec& view, nlohmann::json& results);
+
+}  // namespace truescatter
