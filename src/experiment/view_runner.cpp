@@ -67,6 +67,15 @@ Image measured_mask(const Image& skin, const Image& mass) {
   return mask;
 }
 
+// Where the colour bar lies in this view's error maps.
+json color_bar_json(const Camera& camera) {
+  const ColorBar bar = color_bar(camera.width_px, camera.height_px);
+  return {{"left_px", bar.left_px},
+          {"top_px", bar.top_px},
+          {"width_px", bar.width_px},
+          {"height_px", bar.height_px}};
+}
+
 // The truths of a profile in one view, each assembled once; the headline first.
 struct ProfileTruths {
   std::vector<std::pair<OwnTarget, TruthImage>> images;
@@ -113,6 +122,7 @@ class ViewRunner {
                                  {"skin_pixels", truth_.point_count()},
                                  {"median_skin_depth_mm", median_depth_mm_},
                                  {"mm_per_px", mm_per_px()},
+                                 {"color_bar", color_bar_json(frame_.camera)},
                                  {"files", {{"irradiance", "maps/" + name_ + ".irradiance.png"}}}});
     if (truth_.point_count() == 0)
       throw_input_error({setup_.spec.file.string()}, "view '{}' sees no skin", name_);

@@ -69,31 +69,36 @@ Vec3d color_of(MapKind kind, double value) {
 
 constexpr int kBarHeight = 34;
 
+// The bar below a map of height `top`.
 void draw_bar(Image& picture, int top, MapKind kind, double range, const std::string& title) {
   const Vec3d ink(0.92, 0.92, 0.92);
-  const int margin = std::max(8, picture.width() / 16);
-  const int right = picture.width() - margin;
+  const ColorBar bar = color_bar(picture.width(), top);
   for (int y = top; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) picture.set_rgb(x, y, Vec3d::Constant(0.13));
   }
-  for (int y = top + 13; y < top + 22; ++y) {
-    for (int x = margin; x < right; ++x) {
-      const double t = (x - margin + 0.5) / (right - margin);
-      picture.set_rgb(x, y, color_of(kind, kind == MapKind::magnitude ? t : 2.0 * t - 1.0));
+  for (int y = bar.top_px; y < bar.top_px + bar.height_px; ++y) {
+    for (int x = 0; x < bar.width_px; ++x) {
+      const double t = (x + 0.5) / bar.width_px;
+      picture.set_rgb(bar.left_px + x, y, color_of(kind, kind == MapKind::magnitude ? t : 2.0 * t - 1.0));
     }
   }
   const double low = kind == MapKind::magnitude ? 0.0 : -range;
   const std::array<double, 3> ticks = {low, 0.5 * (low + range), range};
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const std::string label = fmt::format("{:.3g}", ticks[i]);
-    const int at = margin + static_cast<int>(static_cast<double>(i) * 0.5 * (right - margin));
+    const int at = bar.left_px + static_cast<int>(static_cast<double>(i) * 0.5 * bar.width_px);
     const int left = std::clamp(at - text_width(label) / 2, 1, picture.width() - text_width(label) - 1);
     draw_text(picture, left, top + 25, label, ink);
   }
-  draw_text(picture, margin, top + 3, title, ink);
+  draw_text(picture, bar.left_px, top + 3, title, ink);
 }
 
 }  // namespace
+
+ColorBar color_bar(int map_width_px, int map_height_px) {
+  const int margin = std::max(8, map_width_px / 16);
+  return {margin, map_height_px + 13, std::max(0, map_width_px - 2 * margin), 9};
+}
 
 Image map_picture(const Image& map, const Image& mask, MapKind kind, double range, const std::string& title) {
   Image picture(map.width(), map.height() + kBarHeight, 3);

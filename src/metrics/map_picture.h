@@ -12,6 +12,16 @@ enum class MapKind { magnitude, signed_error };
 // [0, range] or [-range, range]. Pixels outside the mask are grey. `map` holds signed RGB errors.
 Image map_picture(const Image& map, const Image& mask, MapKind kind, double range, const std::string& title);
 
+// Where in an error map's picture the coloured part of its bar lies, from the picture's upper left; no
+// columns where the map is too narrow for one.
+struct ColorBar {
+  int left_px;
+  int top_px;
+  int width_px;
+  int height_px;
+};
+ColorBar color_bar(int map_width_px, int map_height_px);
+
 // A linear RGB picture for the eye: exposed by `exposure`, sRGB-encoded, clipped. Same for every method.
 Image display_picture(const Image& rgb, double exposure);
 

@@ -4,6 +4,7 @@
 
 #include "cli/cli_fixture.h"
 #include "core/image_io.h"
+#include "metrics/color_map.h"
 
 namespace truescatter::test {
 namespace {
@@ -74,6 +75,25 @@ TEST_F(CliRun, WritesEveryFileWithTheDocumentedKeys) {
   }
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path() / "out")) {
     EXPECT_FALSE(contains(entry.path().filename().string(), ".part")) << entry.path();
+  }
+}
+
+// The page cuts the colour bar out of an error map: it lies where results.json says. 8-bit files round by
+// half a step, 1/510.
+TEST_F(CliRun, TheMapsColourBarsLieWhereTheResultsSay) {
+  ASSERT_EQ(run(kTiny).exit_code, 0);
+  const Json results = json("out/results.json");
+  const Json& bar = results.at("views").at(0).at("color_bar");
+  const Image map = read_image(folder_.path() / "out" /
+                               results.at("runs").at(0).at("files").at("magnitude").get<std::string>());
+  const int width = bar.at("width_px");
+  ASSERT_GT(width, 0);
+  for (int y = 0; y < bar.at("height_px").get<int>(); ++y) {
+    for (int x = 0; x < width; ++x) {
+      const Vec3d color = map.rgb(bar.at("left_px").get<int>() + x, bar.at("top_px").get<int>() + y);
+      EXPECT_LT((color - magnitude_color((x + 0.5) / width)).cwiseAbs().maxCoeff(), 1.01 / 510.0)
+          << x << " " << y;
+    }
   }
 }
 

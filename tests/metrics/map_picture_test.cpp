@@ -88,6 +88,24 @@ TEST(MapPicture, CarriesABarBelow) {
   EXPECT_GT(count_below_map(with_sign, signed_color(1.0)), 0);
 }
 
+// color_bar says where: from edge to edge the map's colours, the background's grey around them.
+TEST(MapPicture, TheBarLiesWhereColorBarSays) {
+  const ColorBar bar = color_bar(kWidth, kHeight);
+  const Image picture = map_picture(example_map(), left_half(), MapKind::signed_error, 2.0, "");
+  ASSERT_GT(bar.width_px, kWidth / 2);
+  ASSERT_GT(bar.height_px, 2);
+  const Vec3d grey = picture.rgb(0, picture.height() - 1);
+  for (int y = bar.top_px; y < bar.top_px + bar.height_px; ++y) {
+    for (int x = 0; x < bar.width_px; ++x)
+      expect_color(picture, bar.left_px + x, y, signed_color(2.0 * (x + 0.5) / bar.width_px - 1.0));
+    EXPECT_EQ(picture.rgb(bar.left_px - 1, y), grey);
+    EXPECT_EQ(picture.rgb(bar.left_px + bar.width_px, y), grey);
+  }
+  for (int x = 0; x < kWidth; ++x) EXPECT_EQ(picture.rgb(x, bar.top_px - 1), grey);
+  for (int x = 0; x < kWidth; ++x) EXPECT_EQ(picture.rgb(x, bar.top_px + bar.height_px), grey);
+  EXPECT_EQ(color_bar(1, 1).width_px, 0);
+}
+
 // The labels say the range: another range, another bar, though the colours stay.
 TEST(MapPicture, TheBarSaysItsRangeAndTitle) {
   const auto bar = [](double range, const std::string& title) {

@@ -39,25 +39,23 @@ function cropped(c, shown, alt) {
       known ? h("img", {src: pictureUrl(shown.path), alt, draggable: "false"}) : h("em", {}, "no picture"));
 }
 
-// The colour bar, cut out of an error map (a ninth of its 34 rows from the 13th on, a sixteenth in from the
-// sides).
-function barStyle(c, path) {
-  const file = pictures.files[path], view = viewOf(c.view);
-  const margin = Math.max(8, Math.floor(file.width / 16)), width = file.width - 2 * margin, height = 7;
-  const top = (view.height_px || file.height - 34) + 14;
-  return `background-image:url(${pictureUrl(path)});background-size:${100 * file.width / width}% ${
+// The colour bar, cut out of an error map; a row less above and below, so that scaling blends nothing in.
+function barStyle(bar, path) {
+  const file = pictures.files[path], height = bar.height_px - 2, top = bar.top_px + 1;
+  return `background-image:url(${pictureUrl(path)});background-size:${100 * file.width / bar.width_px}% ${
              100 * file.height / height}%;` +
-      `background-position:50% ${100 * top / (file.height - height)}%`;
+      `background-position:${100 * bar.left_px / (file.width - bar.width_px)}% ${
+             100 * top / (file.height - height)}%`;
 }
 
 function colourBar(c, kind) {
   const run = c.runs.find((r) => pictures.files[(r.files || {})[kind]]);
-  const maps = results.maps || {};
-  if (!run || !isNumber(maps.range)) return null;
+  const maps = results.maps || {}, bar = viewOf(c.view).color_bar;
+  if (!run || !isNumber(maps.range) || !bar || !bar.width_px) return null;
   const ends = kind === "signed" ? [MINUS + maps.range, "0", "+" + maps.range] :
                                    ["0", String(maps.range / 2), String(maps.range)];
   return h(
-      "span", {class: "colour-bar"}, h("span", {class: "ramp", style: barStyle(c, run.files[kind])}),
+      "span", {class: "colour-bar"}, h("span", {class: "ramp", style: barStyle(bar, run.files[kind])}),
       h("span", {class: "ends"}, ends.map((end) => h("span", {}, end))));
 }
 
