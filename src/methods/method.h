@@ -38,6 +38,18 @@ struct PreparedMethod {
   const gpu::Texture* output = nullptr;  // exitance in rgb, of the frame's size; lives as long as `render`
 };
 
+// How exactly a method keeps constant light constant, is the identity as its widths go to 0, and maps a
+// mirrored frame to the mirrored result; each derived in the method's manual. In units of the largest
+// irradiance.
+struct NumericLimits {
+  double rounding = 0.0;  // of all three: what single precision adds
+  // Of the identity, times the widths of all levels in pixels times irradiance's largest step between
+  // neighbouring pixels.
+  double identity_per_px = 0.0;
+  // Of the identity, times irradiance's largest change along a texel's edge.
+  double identity_per_texel = 0.0;
+};
+
 // A technique. To add one: a folder with its GLSL and a file that defines `Method <folder>_method()`, and the
 // folder's name in methods/CMakeLists.txt.
 struct Method {
@@ -45,6 +57,7 @@ struct Method {
   std::string_view title;
   std::string_view source;
   bool needs_uvs = false;
+  NumericLimits limits;
   std::vector<SettingSpec> settings;
   OwnTarget (*own_target)(const Profile&, const Settings&);
   // Throws Error (input) if a shader does not compile.

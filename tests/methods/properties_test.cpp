@@ -49,28 +49,63 @@ TEST_P(EveryMethod, KeepsConstantLightConstant) {
     const Scene scene(test::shade(plane, test::lamp(normal)), test::camera_at(600.0, 40.0, 128));
     for (const Profile& profile : builtin_profiles()) {
       const Image result = scene.run(method(), profile);
-      // The manuals' limit: float rounding of normalised sums, 1e-5 at most (texture space's bilinear alpha).
-      EXPECT_LE(largest_difference(result, scene.images().irradiance, scene.images().mask, 40), 1e-5)
+      EXPECT_LE(largest_difference(result, scene.images().irradiance, scene.images().mask, 40),
+                method().limits.rounding)
           << profile.name << " at " << tilt_deg << " degrees";
     }
   }
 }
 
+// Irradiance's largest change from a pixel to the next, both skin.
+double largest_step(const FrameImages& images, int margin) {
+  double step = 0.0;
+  for (int y = margin; y + 1 < images.mask.height() - margin; ++y) {
+    for (int x = margin; x + 1 < images.mask.width() - margin; ++x) {
+      for (const auto& [nx, ny] : {std::pair(x + 1, y), std::pair(x, y + 1)}) {
+        if (images.mask.at(x, y, 0) == 0.0F || images.mask.at(nx, ny, 0) == 0.0F) continue;
+        const Vec3d change = images.irradiance.rgb(nx, ny) - images.irradiance.rgb(x, y);
+        step = std::max(step, change.cwiseAbs().maxCoeff());
+      }
+    }
+  }
+  return step;
+}
+
+// The largest edge of a texel on the mesh's surface.
+double largest_texel_mm(const Mesh& mesh, int texture_size) {
+  double largest = 0.0;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t next = (c + 1) % 3;
+      const auto at = [&](std::size_t k) {
+        return mesh.positions_mm[static_cast<std::size_t>(mesh.triangles[t][k])];
+      };
+      const double uv = ((*mesh.corner_uvs)[t][next] - (*mesh.corner_uvs)[t][c]).norm();
+      largest = std::max(largest, (at(next) - at(c)).norm() / (uv * texture_size));
+    }
+  }
+  return largest;
+}
+
 TEST_P(EveryMethod, IsTheIdentityAsWidthsGoToZero) {
   // A cosine of light over a sphere, widths a thousandth of the skin's: 0.003 mm against pixels of 0.3 mm.
-  const Scene scene(test::shade(make_builtin("sphere"), test::lamp(Vec3d(0.5, 0.3, 1.0))),
-                    test::camera_at(400.0, 40.0, 128));
-  // screen-gaussian: 0.76 s_px per axis and level (6 levels of at most 0.009 px) times the largest step
-  // between pixels. Irradiance falls by at most 1/25 per mm along the sphere; where the frame ends, at 20 mm
-  // from the axis, the surface turns by 53 degrees, so a pixel of 0.3 mm spans 0.5 mm and a step of 0.021
-  // (0.04 on the diagonal). 12 * 0.76 * 0.009 * 0.04 = 3.3e-3; the levels' steps shrink, so this is generous.
-  // texture-space: half a texel's diagonal, 0.7 * (about 0.2 mm per texel of a 1024 atlas) / 25 mm = 6e-3,
-  // and irradiance is read at the texel's centre on the facet.
-  const double limit = method().needs_uvs ? 6e-3 : 3.3e-3;
+  const Mesh sphere = make_builtin("sphere");
+  const Scene scene(test::shade(sphere, test::lamp(Vec3d(0.5, 0.3, 1.0))), test::camera_at(400.0, 40.0, 128));
+  constexpr int kMargin = 14;  // away from the silhouette's background
+  constexpr double kMmPerPx = 40.0 / 128;
+  const double step = largest_step(scene.images(), kMargin - 1);
+  // Along the surface irradiance changes by no more per mm than from pixel to pixel, where it is
+  // foreshortened.
+  const double texel_change = largest_texel_mm(sphere, 1024) * step / kMmPerPx;
+  const NumericLimits& limits = method().limits;
   for (const Profile& profile : builtin_profiles()) {
-    const Image result = scene.run(method(), scaled(profile, 1e-3));
-    // Away from the silhouette's background, which the frame does not show: the frame is inside the disc.
-    EXPECT_LE(largest_difference(result, scene.images().irradiance, scene.images().mask, 14), limit)
+    const Profile narrow = scaled(profile, 1e-3);
+    double widths_px = 0.0;
+    for (const GaussianLevel& level : gaussian_levels(narrow)) widths_px += level.std_dev_mm() / kMmPerPx;
+    const Image result = scene.run(method(), narrow);
+    EXPECT_LE(largest_difference(result, scene.images().irradiance, scene.images().mask, kMargin),
+              limits.rounding + limits.identity_per_px * widths_px * step +
+                  limits.identity_per_texel * texel_change)
         << profile.name;
   }
 }
@@ -95,21 +130,19 @@ TEST_P(EveryMethod, MapsAMirroredFrameToTheMirroredResult) {
     const Image result = scene.run(method(), profile);
     const Image reflected = other.run(method(), profile);
     int compared = 0;
-    int different = 0;
+    double worst = 0.0;
     for (int y = 0; y < 96; ++y) {
       for (int x = 0; x < 96; ++x) {
         const int mx = 95 - x;
         if (scene.images().mask.at(x, y, 0) == 0.0F || other.images().mask.at(mx, y, 0) == 0.0F) continue;
         ++compared;
-        // Float rounding of what a method computes: 1e-5. Texture space reads its map at a uv that differs by
-        // rounding too: 1e-6 of the map times 1024 texels times a step of 0.05 between texels.
-        if ((result.rgb(x, y) - reflected.rgb(mx, y)).cwiseAbs().maxCoeff() > 1e-4) ++different;
+        worst = std::max(worst, (result.rgb(x, y) - reflected.rgb(mx, y)).cwiseAbs().maxCoeff());
       }
     }
     ASSERT_GT(compared, 2000);
-    // A pixel whose centre falls on an edge, or a tap that rounds to one of two pixels, may go either way: a
-    // share of about the coordinates' rounding (1e-5 px) times the number of taps, so next to none.
-    EXPECT_LE(different, compared / 500) << profile.name;
+    // The frames themselves are the mirror of each other to the rasteriser's rounding of irradiance.
+    constexpr double kFrame = 1e-6;
+    EXPECT_LE(worst, method().limits.rounding + kFrame) << profile.name;
   }
 }
 

@@ -119,6 +119,7 @@ Method pscbf_method() {
   method.name = "pscbf";
   method.title = "Pseudo-separable cross bilateral filter";
   method.source = "Mikkelsen 2010, section 5";
+  method.limits = {.rounding = 1e-5};
   method.settings = {
       {"taps", "taps per axis", 13.0, 1.0, kMaxTaps, true},
       {"placement", "where in its bin a tap lies", 0.0, 0.0, 0.0, false, {"median", "centroid"}}};

@@ -88,6 +88,7 @@ Method texture_space_method() {
   method.name = "texture-space";
   method.title = "Texture-space diffusion";
   method.source = "d'Eon & Luebke 2007; Yang et al.";
+  method.limits = {.rounding = 1e-5, .identity_per_texel = 0.71};
   method.needs_uvs = true;
   method.settings = {{"texture_size", "texels along each side of the maps", 1024.0, 16.0, 8192.0, true},
                      {"stretch", "correction of the UV map's stretch", 0.0, 0.0, 0.0, false, {"raw", "off"}}};
