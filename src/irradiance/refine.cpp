@@ -37,12 +37,6 @@ struct Edge {
   int midpoint = -1;
 };
 
-std::uint64_t edge_key(int a, int b) {
-  const auto low = static_cast<std::uint64_t>(std::min(a, b));
-  const auto high = static_cast<std::uint64_t>(std::max(a, b));
-  return (high << 32U) | low;
-}
-
 class Refiner {
  public:
   Refiner(ShadingMesh& shading, const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,

@@ -36,9 +36,8 @@ void label_components(ShadingMesh& shading) {
     const ShadingTriangle& triangle = shading.triangles[t];
     if (!triangle.skin) continue;
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto a = static_cast<std::uint64_t>(triangle.vertices[c]);
-      const auto b = static_cast<std::uint64_t>(triangle.vertices[(c + 1) % 3]);
-      const auto [entry, fresh] = first_with_edge.try_emplace((std::max(a, b) << 32U) | std::min(a, b), t);
+      const std::uint64_t key = edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]);
+      const auto [entry, fresh] = first_with_edge.try_emplace(key, t);
       if (!fresh) {
         const std::size_t root = find_root(parent, entry->second);
         parent[find_root(parent, t)] = root;

@@ -156,6 +156,12 @@ double surface_area_mm2(const Mesh& mesh) {
   return sum;
 }
 
+std::uint64_t edge_key(int a, int b) {
+  const auto low = static_cast<std::uint64_t>(std::min(a, b));
+  const auto high = static_cast<std::uint64_t>(std::max(a, b));
+  return (high << 32U) | low;
+}
+
 void set_angle_weighted_normals(Mesh& mesh, double crease_angle_deg) {
   const std::size_t triangles = mesh.triangles.size();
   std::vector<Vec3d> face_normals(triangles);

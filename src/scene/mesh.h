@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,9 @@ struct Mesh {
 Vec3d triangle_normal(const Mesh& mesh, std::size_t triangle);
 double triangle_area_mm2(const Mesh& mesh, std::size_t triangle);
 double surface_area_mm2(const Mesh& mesh);
+
+// The key of the edge between two vertices (indices, not negative), whichever way it runs.
+std::uint64_t edge_key(int a, int b);
 
 // Sets every corner's normal to the angle-weighted mean of the face normals around its vertex, taken over
 // those faces only that are joined to the corner's face by edges whose dihedral deviation is at most
