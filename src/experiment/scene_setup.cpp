@@ -77,18 +77,16 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   std::vector<Light> lights;
   for (const LightSpec& light : spec.lights) lights.push_back(light_of(light));
   const Lighting lighting(scene.mesh, lights);
+  if (!std::isfinite(lighting.largest_possible())) {
+    throw_input_error({spec.file.string()},
+                      "a point light lies on the mesh, where its irradiance has no bound");
+  }
   scene.shading =
       make_shading_mesh(scene.mesh, lighting, mask, {spec.shading.tolerance, spec.shading.floor_mm});
   scene.shading.residual = measure_residual(scene.shading, lighting, kResidualSamples, spec.truth.seed);
-  bool any_skin = false;
-  for (const ShadingTriangle& triangle : scene.shading.triangles) {
-    if (!triangle.skin) continue;
-    any_skin = true;
-    for (const Vec3d& value : triangle.irradiance) {
-      scene.largest_irradiance = std::max(scene.largest_irradiance, value.maxCoeff());
-    }
-  }
-  if (!any_skin) throw_input_error(spec.scene.skin_mask_where, "the mask leaves no skin");
+  scene.largest_irradiance = largest_skin_irradiance(scene.shading);
+  if (scene.shading.component_count == 0)
+    throw_input_error(spec.scene.skin_mask_where, "the mask leaves no skin");
   if (!(scene.largest_irradiance > 0.0)) {
     throw_input_error({spec.file.string()}, "no light reaches the skin: every irradiance is 0");
   }

@@ -20,7 +20,10 @@ Vec3d lifted_position(const Mesh& mesh, const MeshPoint& point, const Vec3d& pos
 
 double squared_distance_to_mesh(const Mesh& mesh, const Vec3d& position) {
   double nearest2 = std::numeric_limits<double>::infinity();
-  for (const Vec3d& p : mesh.positions_mm) nearest2 = std::min(nearest2, (p - position).squaredNorm());
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    nearest2 = std::min(nearest2, squared_distance_to_triangle(position, mesh.corner(t, 0), mesh.corner(t, 1),
+                                                               mesh.corner(t, 2)));
+  }
   return nearest2;
 }
 

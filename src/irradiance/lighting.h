@@ -44,7 +44,8 @@ class Lighting {
   Lighting(const Mesh& mesh, std::vector<Light> lights);
 
   Vec3d irradiance(const MeshPoint& point) const;
-  // An upper bound of any channel of `irradiance` over the mesh: all lights unoccluded and facing.
+  // An upper bound of any channel of `irradiance` over the mesh: every light unoccluded and facing, and a
+  // point light at its distance from the nearest point of any triangle. Infinite where one lies on the mesh.
   double largest_possible() const { return largest_possible_; }
 
  private:

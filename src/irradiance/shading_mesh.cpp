@@ -65,6 +65,15 @@ ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const 
   return shading;
 }
 
+double largest_skin_irradiance(const ShadingMesh& shading) {
+  double largest = 0.0;
+  for (const ShadingTriangle& triangle : shading.triangles) {
+    if (!triangle.skin) continue;
+    for (const Vec3d& value : triangle.irradiance) largest = std::max(largest, value.maxCoeff());
+  }
+  return largest;
+}
+
 ShadingResidual measure_residual(const ShadingMesh& shading, const Lighting& lighting, std::size_t samples,
                                  std::uint64_t seed) {
   std::vector<double> cumulative_area;
@@ -78,7 +87,8 @@ ShadingResidual measure_residual(const ShadingMesh& shading, const Lighting& lig
     cumulative_area.push_back(area);
     skin.push_back(t);
   }
-  if (skin.empty() || samples == 0 || !(lighting.largest_possible() > 0.0)) return {};
+  const double largest = largest_skin_irradiance(shading);
+  if (skin.empty() || samples == 0 || !(largest > 0.0)) return {};
 
   // 53 bits of the generator, for the standard distributions differ between libraries.
   std::mt19937_64 generator(seed);
@@ -105,7 +115,7 @@ ShadingResidual measure_residual(const ShadingMesh& shading, const Lighting& lig
       barycentric += draws[i].barycentric[static_cast<Eigen::Index>(c)] * triangle.base_barycentric[c];
     }
     const Vec3d real = lighting.irradiance({triangle.base, barycentric});
-    errors[i] = (real - linear).cwiseAbs().maxCoeff() / lighting.largest_possible();
+    errors[i] = (real - linear).cwiseAbs().maxCoeff() / largest;
   });
   ShadingResidual residual;
   residual.mean = std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(samples);

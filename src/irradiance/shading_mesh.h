@@ -23,8 +23,8 @@ struct ShadingTriangle {
   int component = -1;  // connected piece of skin; -1 for what is not skin
 };
 
-// How well the piecewise linear irradiance resolves the real lighting, in units of the largest irradiance,
-// over the skin: no part of any method's error (DESIGN section 1).
+// How well the piecewise linear irradiance resolves the real lighting, in units of the skin's largest
+// irradiance, over the skin: no part of any method's error (DESIGN section 1).
 struct ShadingResidual {
   double mean = 0.0;  // area-weighted
   double p99 = 0.0;
@@ -56,8 +56,12 @@ struct RefinementSettings {
 ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
                               const RefinementSettings& settings);
 
+// The largest irradiance of any channel at any corner of the skin: the unit of every tolerance but the
+// refinement's own, for that must be known beforehand.
+double largest_skin_irradiance(const ShadingMesh& shading);
+
 // The residual of `shading` against the real lighting at `samples` points of the skin drawn with `seed`,
-// uniform in area.
+// uniform in area. Zero for a shading mesh whose skin is dark.
 ShadingResidual measure_residual(const ShadingMesh& shading, const Lighting& lighting, std::size_t samples,
                                  std::uint64_t seed);
 

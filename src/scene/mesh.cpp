@@ -25,6 +25,13 @@ double corner_angle(const Mesh& mesh, std::size_t triangle, int c) {
   return angle_between(mesh.corner(triangle, (c + 1) % 3) - at, mesh.corner(triangle, (c + 2) % 3) - at);
 }
 
+double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+  const Vec3d ab = b - a;
+  const double length2 = ab.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((p - a).dot(ab) / length2, 0.0, 1.0) : 0.0;
+  return (p - (a + t * ab)).squaredNorm();
+}
+
 // Sets of corners that share a normal.
 class CornerSets {
  public:
@@ -160,6 +167,20 @@ std::uint64_t edge_key(int a, int b) {
   const auto low = static_cast<std::uint64_t>(std::min(a, b));
   const auto high = static_cast<std::uint64_t>(std::max(a, b));
   return (high << 32U) | low;
+}
+
+double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const Vec3d normal = (b - a).cross(c - a);
+  const double length2 = normal.squaredNorm();
+  // Twice the areas that the foot of the perpendicular makes with the edges, times |normal|.
+  const bool inside = length2 > 0.0 && normal.dot((b - a).cross(p - a)) >= 0.0 &&
+                      normal.dot((c - b).cross(p - b)) >= 0.0 && normal.dot((a - c).cross(p - c)) >= 0.0;
+  if (inside) {
+    const double height = normal.dot(p - a);
+    return height * height / length2;
+  }
+  return std::min({squared_distance_to_segment(p, a, b), squared_distance_to_segment(p, b, c),
+                   squared_distance_to_segment(p, c, a)});
 }
 
 void set_angle_weighted_normals(Mesh& mesh, double crease_angle_deg) {

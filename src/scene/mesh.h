@@ -35,6 +35,10 @@ double surface_area_mm2(const Mesh& mesh);
 // The key of the edge between two vertices (indices, not negative), whichever way it runs.
 std::uint64_t edge_key(int a, int b);
 
+// The exact squared distance of a point from a triangle: from its plane where the foot of the perpendicular
+// lies inside, else from the nearest edge.
+double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c);
+
 // Sets every corner's normal to the angle-weighted mean of the face normals around its vertex, taken over
 // those faces only that are joined to the corner's face by edges whose dihedral deviation is at most
 // `crease_angle_deg` (180: one smooth normal per vertex).

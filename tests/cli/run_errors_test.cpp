@@ -154,6 +154,12 @@ TEST_F(CliErrors, ALightThatReachesNothing) {
   expect_refused(run(with(kTiny, "1.0]", "1.0]\ncolor = 0.0")), {"e.toml", "no light reaches the skin"});
 }
 
+TEST_F(CliErrors, APointLightOnTheMesh) {
+  expect_refused(
+      run(with(kTiny, "direction = [0.0, 0.5, 1.0]", "type = \"point\"\nposition_mm = [1.0, 2.0, 0.0]")),
+      {"truescatter: e.toml: a point light lies on the mesh"});
+}
+
 TEST_F(CliErrorsBeforeComputing, ASkinMaskWithoutUvs) {
   folder_.write("a.obj", kSquareObj);
   write_png(folder_.path() / "mask.png", Image(4, 4, 1, 1.0F));

@@ -69,6 +69,42 @@ TEST(Lighting, PointLightFallsWithTheSquareOfTheDistance) {
   EXPECT_NEAR(Lighting(plane, {light}).irradiance(point).y(), 0.25, 1e-12);
 }
 
+// Two triangles that make a square of `size` mm around the origin, in z = 0, facing +z.
+Mesh big_square(double size) {
+  Mesh mesh;
+  const double half = 0.5 * size;
+  mesh.positions_mm = {{-half, -half, 0.0}, {half, -half, 0.0}, {half, half, 0.0}, {-half, half, 0.0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  set_angle_weighted_normals(mesh);
+  return mesh;
+}
+
+Light point_light(const Vec3d& position_mm, double reference_mm) {
+  Light light;
+  light.kind = LightKind::point;
+  light.position_mm = position_mm;
+  light.reference_mm = reference_mm;
+  return light;
+}
+
+TEST(Lighting, LargestPossibleHoldsInsideATriangleToo) {
+  // A lamp 10 mm above a triangle's inside, over 40 mm from every vertex: (20 / 10)^2 = 4 right below it.
+  const Mesh square = big_square(100.0);
+  const Lighting above(square, {point_light({20.0, -5.0, 10.0}, 20.0)});
+  EXPECT_NEAR(above.largest_possible(), 4.0, 1e-12);
+  // Below it lies x = 20, y = -5 in triangle (0, 1, 2): b1 = (x - y) / 100, b2 = (y + 50) / 100.
+  const MeshPoint below{0, Vec3d(0.3, 0.25, 0.45)};
+  EXPECT_NEAR((position_mm(square, below) - Vec3d(20.0, -5.0, 0.0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(above.irradiance(below).x(), 4.0, 1e-12);
+  // Beside the square, 30 mm beyond its edge and 40 mm up: 50 mm from the edge, (20 / 50)^2.
+  EXPECT_NEAR(Lighting(square, {point_light({80.0, 7.0, 40.0}, 20.0)}).largest_possible(), 0.16, 1e-12);
+  // Beyond a corner by (3, 4, 12): 13 mm. Two lamps add up: 4 + (26 / 13)^2.
+  EXPECT_NEAR(Lighting(square, {point_light({20.0, -5.0, 10.0}, 20.0), point_light({53.0, 54.0, 12.0}, 26.0)})
+                  .largest_possible(),
+              8.0, 1e-12);
+  EXPECT_TRUE(std::isinf(Lighting(square, {point_light({20.0, -5.0, 0.0}, 20.0)}).largest_possible()));
+}
+
 TEST(Lighting, FrontCardShadesTheBackCard) {
   // Cards: the front one covers x < 0, 20 mm above the back one. Lit along -z from above, the back card is
   // dark where x < 0.
@@ -155,6 +191,26 @@ TEST(Refinement, ResolvesACurvedSurfaceToItsTolerance) {
   EXPECT_LT(residual.p99, 0.01);
   EXPECT_GT(residual.p99, 0.0);
   EXPECT_LE(residual.mean, residual.p99);
+}
+
+TEST(Refinement, ResidualIsInUnitsOfTheLargestVertexIrradiance) {
+  // One triangle, not refined (the floor is above its edges), 60 degrees off a lamp of colour 4: every vertex
+  // has I = 2, which is half of what the lamp could do. Against a lamp of colour 6 the field is 1 too small
+  // everywhere: half of the largest irradiance that it has.
+  Mesh mesh = big_square(10.0);
+  mesh.triangles.pop_back();
+  mesh.corner_normals.pop_back();
+  Light light = lamp(Vec3d(std::sqrt(3.0), 0.0, 1.0), false);
+  light.color = Vec3d(4.0, 1.0, 0.0);
+  const ShadingMesh shading = make_shading_mesh(mesh, Lighting(mesh, {light}), {}, {0.02, 100.0});
+  EXPECT_NEAR(largest_skin_irradiance(shading), 2.0, 1e-12);
+  light.color.x() = 6.0;
+  const ShadingResidual residual = measure_residual(shading, Lighting(mesh, {light}), 100, 1);
+  EXPECT_NEAR(residual.mean, 0.5, 1e-12);
+  EXPECT_NEAR(residual.p99, 0.5, 1e-12);
+  light.color = Vec3d::Zero();
+  const ShadingMesh dark = make_shading_mesh(mesh, Lighting(mesh, {light}), {}, {0.02, 100.0});
+  EXPECT_EQ(measure_residual(dark, Lighting(mesh, {light}), 100, 1).mean, 0.0);
 }
 
 TEST(Refinement, MaskIsReadAtCentroidsAndItsBorderIsRefined) {

@@ -85,6 +85,41 @@ TEST(Mesh, NormalOfADegenerateTriangleIsZero) {
   EXPECT_EQ(surface_area_mm2(mesh), 0.0);
 }
 
+TEST(Mesh, DistanceFromATriangleIsToItsNearestPoint) {
+  const Vec3d a(0.0, 0.0, 0.0);
+  const Vec3d b(4.0, 0.0, 0.0);
+  const Vec3d c(0.0, 3.0, 0.0);
+  const auto distance2 = [&](const Vec3d& p) { return squared_distance_to_triangle(p, a, b, c); };
+  EXPECT_NEAR(distance2({1.0, 1.0, -2.0}), 4.0, 1e-14);      // above the inside
+  EXPECT_NEAR(distance2({2.0, -3.0, 4.0}), 25.0, 1e-14);     // beside the edge ab
+  EXPECT_NEAR(distance2({-3.0, -4.0, 12.0}), 169.0, 1e-13);  // beyond the corner a
+  EXPECT_NEAR(distance2({9.0, 0.0, 0.0}), 25.0, 1e-14);      // beyond the corner b
+  EXPECT_NEAR(distance2({4.0, 3.0, 0.0}), 5.76, 1e-14);      // across bc: 12/5 from the line 3x + 4y = 12
+  EXPECT_EQ(distance2({4.0, 0.0, 0.0}), 0.0);
+  // Without area: the segment from (0, 0, 0) to (4, 0, 0), and a point.
+  EXPECT_NEAR(squared_distance_to_triangle({2.0, 5.0, 0.0}, a, b, {1.0, 0.0, 0.0}), 25.0, 1e-14);
+  EXPECT_NEAR(squared_distance_to_triangle({0.0, 0.0, 7.0}, a, a, a), 49.0, 1e-14);
+
+  // Against the nearest of many points of the triangle: never farther, and nearer by no more than their
+  // spacing, for the nearest point lies in a cell of 4 / 200 x 3 / 200, within 0.025 of its corners.
+  unsigned state = 7;
+  const auto random = [&state] {
+    state = state * 1664525U + 1013904223U;
+    return static_cast<double>(state >> 8U) / 16777216.0;
+  };
+  for (int i = 0; i < 50; ++i) {
+    const Vec3d p(12.0 * random() - 4.0, 11.0 * random() - 4.0, 4.0 * random() - 2.0);
+    double sampled = 1e9;
+    for (int u = 0; u <= 200; ++u) {
+      for (int v = 0; v <= 200 - u; ++v)
+        sampled = std::min(sampled, (p - (a + u / 200.0 * (b - a) + v / 200.0 * (c - a))).norm());
+    }
+    const double exact = std::sqrt(distance2(p));
+    EXPECT_LE(exact, sampled + 1e-12);
+    EXPECT_GE(exact, sampled - 0.025) << p.transpose();
+  }
+}
+
 TEST(Mesh, NormalsAreWeightedByAngle) {
   // At the origin: +z with 90 degrees in one triangle, +y with 2 x 45 degrees in two. The mean is halfway
   // between y and z, although there are two faces on one side.
