@@ -1,7 +1,8 @@
 #pragma once
 
-#include "core/image.h"
-#include "core/vec.h"
+#include <utility>
+
+#include "scene/uv_texture.h"
 
 namespace truescatter {
 
@@ -9,16 +10,14 @@ namespace truescatter {
 class SkinMask {
  public:
   SkinMask() = default;
-  // The image's first channel, v up; values of 0.5 and more are skin. Not empty.
-  explicit SkinMask(Image image);
+  // The image's first channel; values of 0.5 and more are skin. Not empty.
+  explicit SkinMask(Image image) : texture_(std::move(image)) {}
 
-  bool everywhere() const { return image_.empty(); }
-  // Bilinear reading at texel centres, repeated beyond [0, 1].
-  double value(const Vec2d& uv) const;
-  bool is_skin(const Vec2d& uv) const { return everywhere() || value(uv) >= 0.5; }
+  bool everywhere() const { return texture_.empty(); }
+  bool is_skin(const Vec2d& uv) const { return everywhere() || texture_.value(uv, 0) >= 0.5; }
 
  private:
-  Image image_;
+  UvTexture texture_;
 };
 
 }  // namespace truescatter

@@ -238,13 +238,15 @@ TEST(Components, CardsAreTwo) {
   EXPECT_EQ(shade(make_builtin("wedge"), lamp(Vec3d(0.1, 0.0, 1.0))).component_count, 1);
 }
 
-TEST(SkinMask, ReadsVUp) {
-  Image image(2, 2, 1);
-  image.at(0, 0, 0) = 1.0F;  // top left: u = 0.25, v = 0.75
+TEST(SkinMask, IsSkinFromOneHalfOn) {
+  // Left 1, right 0: half way between the texels' centres, at u = 0.5, the value is 0.5 but for rounding.
+  Image image(2, 1, 1);
+  image.at(0, 0, 0) = 1.0F;
   const SkinMask mask(image);
-  EXPECT_NEAR(mask.value(Vec2d(0.25, 0.75)), 1.0, 1e-12);
-  EXPECT_NEAR(mask.value(Vec2d(0.25, 0.25)), 0.0, 1e-12);
-  EXPECT_NEAR(mask.value(Vec2d(0.5, 0.75)), 0.5, 1e-12);
+  EXPECT_FALSE(mask.everywhere());
+  EXPECT_TRUE(mask.is_skin(Vec2d(0.5 - 1e-9, 0.5)));
+  EXPECT_FALSE(mask.is_skin(Vec2d(0.5 + 1e-9, 0.5)));
+  EXPECT_TRUE(SkinMask().everywhere());
   EXPECT_TRUE(SkinMask().is_skin(Vec2d(0.1, 0.1)));
 }
 

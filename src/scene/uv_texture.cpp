@@ -1,13 +1,13 @@
-#include "irradiance/skin_mask.h"
+#include "scene/uv_texture.h"
 
 #include <cmath>
 #include <utility>
 
 namespace truescatter {
 
-SkinMask::SkinMask(Image image) : image_(std::move(image)) { assert(!image_.empty()); }
+UvTexture::UvTexture(Image image) : image_(std::move(image)) { assert(!image_.empty()); }
 
-double SkinMask::value(const Vec2d& uv) const {
+double UvTexture::value(const Vec2d& uv, int channel) const {
   const int width = image_.width();
   const int height = image_.height();
   const double x = uv.x() * width - 0.5;
@@ -16,7 +16,7 @@ double SkinMask::value(const Vec2d& uv) const {
   const double y0 = std::floor(y);
   const auto texel = [&](double column, double row) {
     const auto wrap = [](double i, int n) { return static_cast<int>(i - n * std::floor(i / n)); };
-    return static_cast<double>(image_.at(wrap(column, width), wrap(row, height), 0));
+    return static_cast<double>(image_.at(wrap(column, width), wrap(row, height), channel));
   };
   const double fx = x - x0;
   const double fy = y - y0;
