@@ -27,7 +27,11 @@ struct SceneSpec {
   bool flip_v = false;    // for files that break their format's convention for v
   std::string skin_mask;  // path of a UV texture; empty: all is skin
   SourceLocation skin_mask_where;
-  std::string obtain;  // where the data can be had; told when a file is missing
+  std::string normal_map;  // path of a tangent-space map in UV; empty: none
+  SourceLocation normal_map_where;
+  double normal_map_strength = 1.0;     // multiplies its slope
+  std::string normal_map_green = "up";  // up: along v | down: against it
+  std::string obtain;                   // where the data can be had; told when a file is missing
 };
 
 struct LightSpec {
@@ -42,6 +46,7 @@ struct LightSpec {
 struct ShadingSpec {
   double tolerance = 0.02;  // of the largest irradiance
   double floor_mm = 0.4;
+  double normal_map_edge_mm = 0.4;  // with a normal map: longest edge of visible skin; by default the floor
 };
 
 struct ViewSpec {

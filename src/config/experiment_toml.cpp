@@ -38,6 +38,14 @@ SceneSpec read_scene(TomlTable table) {
   scene.flip_v = table.flag("flip_v", false);
   scene.skin_mask = table.text("skin_mask", "");
   scene.skin_mask_where = table.where("skin_mask");
+  scene.normal_map = table.text("normal_map", "");
+  scene.normal_map_where = table.where("normal_map");
+  scene.normal_map_strength = table.number("normal_map_strength", 1.0, 0.0, 100.0);
+  scene.normal_map_green = table.one_of("normal_map_green", "up", {"up", "down"});
+  for (const char* key : {"normal_map_strength", "normal_map_green"}) {
+    if (scene.normal_map.empty() && table.has(key))
+      table.fail(key, fmt::format("'scene.{}' needs a 'scene.normal_map'", key));
+  }
   scene.obtain = table.text("obtain", "");
   if (scene.mesh.starts_with("builtin:")) {
     for (const char* key : {"unit_mm", "normals", "loop_subdivisions", "flip_v"}) {
@@ -71,10 +79,13 @@ LightSpec read_light(TomlTable table) {
   return light;
 }
 
-ShadingSpec read_shading(TomlTable table) {
+ShadingSpec read_shading(TomlTable table, bool has_normal_map) {
   ShadingSpec shading;
   shading.tolerance = table.number("tolerance", shading.tolerance, 1e-6, 1.0);
   shading.floor_mm = table.number("floor_mm", shading.floor_mm, 1e-4, 1e6);
+  shading.normal_map_edge_mm = table.number("normal_map_edge_mm", shading.floor_mm, 1e-4, 1e6);
+  if (!has_normal_map && table.has("normal_map_edge_mm"))
+    table.fail("normal_map_edge_mm", "'shading.normal_map_edge_mm' needs a 'scene.normal_map'");
   table.finish();
   return shading;
 }
@@ -265,7 +276,7 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   for (const TomlTable& table : root.tables("light")) spec.lights.push_back(read_light(table));
   if (spec.lights.empty())
     root.fail("light", "'light' is missing: an experiment needs at least one [[light]]");
-  spec.shading = read_shading(root.table("shading"));
+  spec.shading = read_shading(root.table("shading"), !spec.scene.normal_map.empty());
   for (const TomlTable& table : root.tables("view")) spec.views.push_back(read_view(table));
   if (spec.views.empty()) root.fail("view", "'view' is missing: an experiment needs at least one [[view]]");
   for (const TomlTable& table : root.tables("profile")) spec.profiles.push_back(read_profile(table));
@@ -349,6 +360,11 @@ std::string scene_toml(const ExperimentSpec& spec) {
             line("loop_subdivisions", scene.loop_subdivisions) + line("flip_v", scene.flip_v);
   }
   if (!scene.skin_mask.empty()) text += line("skin_mask", portable(scene.skin_mask));
+  if (!scene.normal_map.empty()) {
+    text += line("normal_map", portable(scene.normal_map)) +
+            line("normal_map_strength", scene.normal_map_strength) +
+            line("normal_map_green", scene.normal_map_green);
+  }
   if (!scene.obtain.empty()) text += line("obtain", scene.obtain);
   if (!scene.parameters.empty()) text += "[scene.parameters]\n";
   for (const auto& [key, value] : scene.parameters) text += line(key, value);
@@ -387,6 +403,7 @@ std::string to_toml(const ExperimentSpec& spec) {
   for (const LightSpec& light : spec.lights) text += light_toml(light);
   text +=
       "\n[shading]\n" + line("tolerance", spec.shading.tolerance) + line("floor_mm", spec.shading.floor_mm);
+  if (!spec.scene.normal_map.empty()) text += line("normal_map_edge_mm", spec.shading.normal_map_edge_mm);
   for (const ViewSpec& view : spec.views) text += view_toml(view);
   for (const ProfileSpec& profile : spec.profiles) text += profile_toml(profile);
   for (const MethodSpec& method : spec.methods) text += method_toml(method);

@@ -61,6 +61,12 @@ json scene_json(const ExperimentSpec& spec, const PreparedScene& scene) {
                    {"p99", scene.shading.residual.p99},
                    {"tolerance", spec.shading.tolerance},
                    {"floor_mm", spec.shading.floor_mm}}}};
+  if (!spec.scene.normal_map.empty()) {
+    object["normal_map"] = {{"file", spec.scene.normal_map},
+                            {"strength", spec.scene.normal_map_strength},
+                            {"green", spec.scene.normal_map_green},
+                            {"edge_mm", spec.shading.normal_map_edge_mm}};
+  }
   if (!scene.uvs) {
     object["uv"] = nullptr;
     return object;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "core/image_io.h"
 #include "core/progress.h"
@@ -57,13 +59,53 @@ Light light_of(const LightSpec& spec) {
   return light;
 }
 
+// The file of a texture in UV; `where` is that of its key.
+std::filesystem::path texture_path(const ExperimentSpec& spec, bool has_uvs, std::string_view key,
+                                   const std::string& path, const SourceLocation& where) {
+  if (!has_uvs)
+    throw_input_error(where, "'scene.{}' is a texture in UV, but {} has no UVs", key, spec.scene.mesh);
+  return resolve_path(spec, path, where);
+}
+
+void require_three_channels(const Image& image, const std::filesystem::path& path, std::string_view key,
+                            const SourceLocation& where) {
+  if (image.channels() >= 3) return;
+  throw_input_error(where, "'scene.{}' needs red, green and blue, but {} has {} channel{}", key,
+                    path.string(), image.channels(), image.channels() == 1 ? "" : "s");
+}
+
 SkinMask load_mask(const ExperimentSpec& spec, bool has_uvs) {
-  if (spec.scene.skin_mask.empty()) return {};
-  if (!has_uvs) {
-    throw_input_error(spec.scene.skin_mask_where, "'scene.skin_mask' is a texture in UV, but {} has no UVs",
-                      spec.scene.mesh);
-  }
-  return SkinMask(read_image(resolve_path(spec, spec.scene.skin_mask, spec.scene.skin_mask_where)));
+  const SceneSpec& scene = spec.scene;
+  if (scene.skin_mask.empty()) return {};
+  return SkinMask(
+      read_image(texture_path(spec, has_uvs, "skin_mask", scene.skin_mask, scene.skin_mask_where)));
+}
+
+// Empty where there is none, like the albedo.
+Image load_normal_image(const ExperimentSpec& spec, bool has_uvs) {
+  const SceneSpec& scene = spec.scene;
+  if (scene.normal_map.empty()) return {};
+  const std::filesystem::path path =
+      texture_path(spec, has_uvs, "normal_map", scene.normal_map, scene.normal_map_where);
+  Image image = read_image(path);
+  require_three_channels(image, path, "normal_map", scene.normal_map_where);
+  return image;
+}
+
+NormalMap load_normal_map(const ExperimentSpec& spec, const Mesh& mesh) {
+  const SceneSpec& scene = spec.scene;
+  if (scene.normal_map.empty()) return {};
+  return {mesh,
+          load_normal_image(spec, mesh.has_uvs()),
+          {scene.normal_map_strength, scene.normal_map_green == "down"}};
+}
+
+RefinementSettings refinement_of(const ExperimentSpec& spec) {
+  RefinementSettings settings{spec.shading.tolerance, spec.shading.floor_mm};
+  if (spec.scene.normal_map.empty()) return settings;
+  for (const ViewSpec& view : spec.views) settings.views.push_back(camera_of(view));
+  settings.visible_edge_mm = spec.shading.normal_map_edge_mm;
+  return settings;
 }
 
 }  // namespace
@@ -76,13 +118,12 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   const SkinMask mask = load_mask(spec, scene.mesh.has_uvs());
   std::vector<Light> lights;
   for (const LightSpec& light : spec.lights) lights.push_back(light_of(light));
-  const Lighting lighting(scene.mesh, lights);
+  const Lighting lighting(scene.mesh, lights, load_normal_map(spec, scene.mesh));
   if (!std::isfinite(lighting.largest_possible())) {
     throw_input_error({spec.file.string()},
                       "a point light lies on the mesh, where its irradiance has no bound");
   }
-  scene.shading =
-      make_shading_mesh(scene.mesh, lighting, mask, {spec.shading.tolerance, spec.shading.floor_mm});
+  scene.shading = make_shading_mesh(scene.mesh, lighting, mask, refinement_of(spec));
   scene.shading.residual = measure_residual(scene.shading, lighting, kResidualSamples, spec.truth.seed);
   scene.largest_irradiance = largest_skin_irradiance(scene.shading);
   if (scene.shading.component_count == 0)
@@ -104,6 +145,7 @@ SceneOutline check_scene(const ExperimentSpec& spec) {
     outline.has_uvs = load_mesh_file(spec, 0).has_uvs();
   }
   load_mask(spec, outline.has_uvs);
+  load_normal_image(spec, outline.has_uvs);
   return outline;
 }
 

@@ -22,7 +22,8 @@ struct PreparedScene {
 };
 
 // Loads or generates the mesh, lights it and refines it into the shading mesh.
-// Throws Error (input): see load_mesh, make_builtin, resolve_path; a skin mask without UVs; a dark scene.
+// Throws Error (input): see load_mesh, make_builtin, resolve_path; a texture without UVs, or without the
+// channels that it needs; a dark scene; a point light on the mesh.
 PreparedScene prepare_scene(const ExperimentSpec& spec);
 
 // What a scene is known to be before it is generated, lit and refined.

@@ -29,22 +29,8 @@ double squared_distance_to_mesh(const Mesh& mesh, const Vec3d& position) {
 
 }  // namespace
 
-Vec3d position_mm(const Mesh& mesh, const MeshPoint& point) {
-  Vec3d position = Vec3d::Zero();
-  for (int c = 0; c < 3; ++c) position += point.barycentric[c] * mesh.corner(point.triangle, c);
-  return position;
-}
-
-Vec3d interpolated_normal(const Mesh& mesh, const MeshPoint& point) {
-  Vec3d normal = Vec3d::Zero();
-  for (int c = 0; c < 3; ++c) {
-    normal += point.barycentric[c] * mesh.corner_normals[point.triangle][static_cast<std::size_t>(c)];
-  }
-  return normal.normalized();
-}
-
-Lighting::Lighting(const Mesh& mesh, std::vector<Light> lights)
-    : mesh_(mesh), lights_(std::move(lights)), shadows_(mesh) {
+Lighting::Lighting(const Mesh& mesh, std::vector<Light> lights, NormalMap normal_map)
+    : mesh_(mesh), lights_(std::move(lights)), normal_map_(std::move(normal_map)), shadows_(mesh) {
   Vec3d bound = Vec3d::Zero();
   for (const Light& light : lights_) {
     double falloff = 1.0;
@@ -66,10 +52,32 @@ double Lighting::visibility(const Vec3d& origin_mm, const Light& light) const {
   return shadows_.occluded(origin_mm, to_light / distance_mm, distance_mm) ? 0.0 : 1.0;
 }
 
+Vec3d Lighting::smooth_irradiance(const MeshPoint& point) const {
+  return irradiance(point, interpolated_normal(mesh_, point));
+}
+
 Vec3d Lighting::irradiance(const MeshPoint& point) const {
+  return irradiance(point, normal_map_.normal(mesh_, point));
+}
+
+Vec3d Lighting::irradiance(std::span<const MeshPoint> place) const {
+  std::vector<Vec3d> normals;
+  Vec3d sum = Vec3d::Zero();
+  for (const MeshPoint& point : place) {
+    const Vec3d normal = normal_map_.normal(mesh_, point);
+    const bool known = std::any_of(normals.begin(), normals.end(),
+                                   [&](const Vec3d& other) { return same_normal(other, normal); });
+    if (known) continue;
+    normals.push_back(normal);
+    sum += normal;
+  }
+  return irradiance(place.front(), normals.size() == 1 ? normals.front() : sum.stableNormalized());
+}
+
+Vec3d Lighting::irradiance(const MeshPoint& point, const Vec3d& normal) const {
   const Vec3d position = position_mm(mesh_, point);
-  const Vec3d normal = interpolated_normal(mesh_, point);
-  const Vec3d origin = lifted_position(mesh_, point, position) + shadows_.offset_mm() * normal;
+  const Vec3d origin =
+      lifted_position(mesh_, point, position) + shadows_.offset_mm() * interpolated_normal(mesh_, point);
   Vec3d sum = Vec3d::Zero();
   for (const Light& light : lights_) {
     Vec3d to_light = light.direction;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/vec.h"
+#include "irradiance/mesh_point.h"
+#include "irradiance/normal_map.h"
 #include "irradiance/shadow_scene.h"
 #include "scene/mesh.h"
 
@@ -23,36 +25,36 @@ struct Light {
   bool shadows = true;
 };
 
-// A point on a mesh: a triangle and barycentric coordinates in the order of its corners.
-struct MeshPoint {
-  std::size_t triangle = 0;
-  Vec3d barycentric = Vec3d::Zero();
-};
-
-Vec3d position_mm(const Mesh& mesh, const MeshPoint& point);
-// The corners' normals interpolated linearly, then made unit length.
-Vec3d interpolated_normal(const Mesh& mesh, const MeshPoint& point);
-
 // The real lighting of a surface: I = sum over lights of color * falloff * max(0, n.l) * V, with the
-// interpolated normal n and the visibility V of the whole mesh.
+// visibility V of the whole mesh and the mapped normal n: without a normal map, the interpolated one. V is
+// the geometry's, whatever the map says.
 //
 // A shadow ray starts from the point lifted to the smooth surface that the normals describe (Hanika, Ray
 // Tracing Gems II, chapter 4: out of the tangent planes of the three corners, never below the facet), so that
-// coarse facets cast no blocks on themselves.
+// coarse facets cast no blocks on themselves. These normals, too, are the interpolated ones.
 class Lighting {
  public:
-  Lighting(const Mesh& mesh, std::vector<Light> lights);
+  Lighting(const Mesh& mesh, std::vector<Light> lights, NormalMap normal_map = {});
 
+  bool has_normal_map() const { return !normal_map_.empty(); }
   Vec3d irradiance(const MeshPoint& point) const;
+  // At one place of the surface, given as a point of each triangle that meets there. Where charts of the UV
+  // atlas meet, the map has a normal for each: n is the unit mean of those that differ, so that the
+  // irradiance is one.
+  Vec3d irradiance(std::span<const MeshPoint> place) const;
+  // As if there were no normal map.
+  Vec3d smooth_irradiance(const MeshPoint& point) const;
   // An upper bound of any channel of `irradiance` over the mesh: every light unoccluded and facing, and a
   // point light at its distance from the nearest point of any triangle. Infinite where one lies on the mesh.
   double largest_possible() const { return largest_possible_; }
 
  private:
+  Vec3d irradiance(const MeshPoint& point, const Vec3d& normal) const;
   double visibility(const Vec3d& origin_mm, const Light& light) const;
 
   const Mesh& mesh_;
   std::vector<Light> lights_;
+  NormalMap normal_map_;
   ShadowScene shadows_;
   double largest_possible_ = 0.0;
 };

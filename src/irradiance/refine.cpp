@@ -11,11 +11,9 @@ namespace truescatter {
 namespace {
 
 constexpr int kMaxRounds = 24;
-// Normals that agree to this are one normal: the lighting there is evaluated once and shared, so that the
-// irradiance is continuous across an edge, shadow tests included.
-constexpr double kSameNormal = 1e-9;
 
-// The lighting at a vertex or at an edge's midpoint: one sample for each distinct normal.
+// The lighting at a vertex or at an edge's midpoint: one sample for each distinct normal. It is evaluated
+// once and shared, so that the irradiance is continuous across an edge, shadow tests included.
 struct Sample {
   Vec3d normal;
   MeshPoint point;
@@ -25,7 +23,7 @@ using Samples = std::vector<Sample>;
 
 const Sample* find_sample(const Samples& samples, const Vec3d& normal) {
   for (const Sample& sample : samples) {
-    if ((sample.normal - normal).squaredNorm() < kSameNormal * kSameNormal) return &sample;
+    if (same_normal(sample.normal, normal)) return &sample;
   }
   return nullptr;
 }
@@ -37,6 +35,25 @@ struct Edge {
   int midpoint = -1;
 };
 
+// Whether a triangle's front may be seen: it faces the eye, and does not lie outside one of the frustum's
+// sides. What hides it is not asked. No part of a triangle that is not seen is.
+bool may_see(const Camera& camera, const std::array<Vec3d, 3>& corners_mm) {
+  const Vec3d normal = (corners_mm[1] - corners_mm[0]).cross(corners_mm[2] - corners_mm[0]);
+  if (normal.dot(camera.eye_mm - corners_mm[0]) <= 0.0) return false;
+  const Mat4d view = camera.view_matrix();
+  const double half_width = 0.5 * camera.width_px / camera.focal_px();
+  const double half_height = 0.5 * camera.height_px / camera.focal_px();
+  // In view space the frustum's sides are planes through the eye, and the eye's own plane.
+  const std::array<Vec3d, 5> inward{Vec3d(1.0, 0.0, -half_width), Vec3d(-1.0, 0.0, -half_width),
+                                    Vec3d(0.0, 1.0, -half_height), Vec3d(0.0, -1.0, -half_height),
+                                    Vec3d(0.0, 0.0, -1.0)};
+  return std::all_of(inward.begin(), inward.end(), [&](const Vec3d& side) {
+    return std::any_of(corners_mm.begin(), corners_mm.end(), [&](const Vec3d& corner) {
+      return side.dot((view * corner.homogeneous()).head<3>()) >= 0.0;
+    });
+  });
+}
+
 class Refiner {
  public:
   Refiner(ShadingMesh& shading, const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
@@ -46,6 +63,8 @@ class Refiner {
         lighting_(lighting),
         mask_(mask),
         floor_mm_(settings.floor_mm),
+        views_(settings.views),
+        visible_edge_mm_(settings.visible_edge_mm),
         tolerance_(settings.tolerance * lighting.largest_possible()) {}
 
   void run() {
@@ -94,8 +113,9 @@ class Refiner {
   }
 
   void light(const std::vector<Sample*>& samples) const {
-    parallel_for(samples.size(),
-                 [&](std::size_t i) { samples[i]->irradiance = lighting_.irradiance(samples[i]->point); });
+    parallel_for(samples.size(), [&](std::size_t i) {
+      samples[i]->irradiance = lighting_.smooth_irradiance(samples[i]->point);
+    });
   }
 
   double length_mm(int a, int b) const {
@@ -177,13 +197,40 @@ class Refiner {
         triangle.base,
         (triangle.base_barycentric[0] + triangle.base_barycentric[1] + triangle.base_barycentric[2]) / 3.0};
     const Vec3d linear = (triangle.irradiance[0] + triangle.irradiance[1] + triangle.irradiance[2]) / 3.0;
-    return (lighting_.irradiance(centroid) - linear).cwiseAbs().maxCoeff() > tolerance_;
+    return (lighting_.smooth_irradiance(centroid) - linear).cwiseAbs().maxCoeff() > tolerance_;
+  }
+
+  bool in_view(const ShadingTriangle& triangle) const {
+    const std::array<Vec3d, 3> corners{shading_.corner(triangle, 0), shading_.corner(triangle, 1),
+                                       shading_.corner(triangle, 2)};
+    return std::any_of(views_.begin(), views_.end(),
+                       [&](const Camera& camera) { return may_see(camera, corners); });
+  }
+
+  bool is_skin(const ShadingTriangle& triangle) const {
+    return mask_.is_skin((triangle.uvs[0] + triangle.uvs[1] + triangle.uvs[2]) / 3.0);
+  }
+
+  // Marks the edges of new triangles of visible skin that are longer than wanted there.
+  bool mark_visible_edges() {
+    if (!std::isfinite(visible_edge_mm_)) return false;
+    bool any = false;
+    for (const std::size_t t : new_triangles_) {
+      const ShadingTriangle& triangle = shading_.triangles[t];
+      if (!is_skin(triangle) || !in_view(triangle)) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (length_mm(triangle.vertices[c], triangle.vertices[(c + 1) % 3]) <= visible_edge_mm_) continue;
+        edge_of(triangle, c).split = true;
+        any = true;
+      }
+    }
+    return any;
   }
 
   // Marks the edges that must be split; false when there is none. Centroids are tested once per triangle,
   // for triangles whose edges all pass.
   bool mark_edges() {
-    bool any = false;
+    bool any = mark_visible_edges();
     for (const ShadingTriangle& triangle : shading_.triangles) {
       for (std::size_t c = 0; c < 3; ++c) {
         const auto found = edges_.find(edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]));
@@ -315,6 +362,8 @@ class Refiner {
   const Lighting& lighting_;
   const SkinMask& mask_;
   double floor_mm_;
+  const std::vector<Camera>& views_;
+  double visible_edge_mm_;
   double tolerance_;
   std::vector<Samples> vertex_samples_;
   std::unordered_map<std::uint64_t, Edge> edges_;

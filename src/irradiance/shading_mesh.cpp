@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <span>
 #include <unordered_map>
 
 #include "core/parallel.h"
@@ -24,6 +25,34 @@ std::size_t find_root(std::vector<std::size_t>& parent, std::size_t i) {
     i = parent[i];
   }
   return i;
+}
+
+// Replaces the smooth lighting of every corner by that of the mapped normals. The corners around a vertex
+// that share an interpolated normal share the value.
+void apply_normal_map(ShadingMesh& shading, const Lighting& lighting) {
+  const CornersByVertex corners(shading.positions_mm.size(), shading.triangles.size(),
+                                [&](std::size_t t) { return shading.triangles[t].vertices; });
+  parallel_for(shading.positions_mm.size(), [&](std::size_t vertex) {
+    const std::span<const std::size_t> around = corners.around(static_cast<int>(vertex));
+    std::vector<std::size_t> left(around.begin(), around.end());
+    while (!left.empty()) {
+      const ShadingTriangle& first = shading.triangles[left.front() / 3];
+      const Vec3d normal = first.normals[left.front() % 3];
+      const auto others = std::stable_partition(left.begin(), left.end(), [&](std::size_t corner) {
+        return same_normal(shading.triangles[corner / 3].normals[corner % 3], normal);
+      });
+      std::vector<MeshPoint> place;
+      for (auto at = left.begin(); at != others; ++at) {
+        const ShadingTriangle& triangle = shading.triangles[*at / 3];
+        place.push_back({triangle.base, triangle.base_barycentric[*at % 3]});
+      }
+      const Vec3d irradiance = lighting.irradiance(place);
+      for (auto at = left.begin(); at != others; ++at) {
+        shading.triangles[*at / 3].irradiance[*at % 3] = irradiance;
+      }
+      left.erase(left.begin(), others);
+    }
+  });
 }
 
 // Skin triangles that share an edge are of one component; components are numbered in the order of their
@@ -60,6 +89,7 @@ ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const 
   ShadingMesh shading;
   shading.has_uvs = mesh.has_uvs();
   refine(shading, mesh, lighting, mask, settings);
+  if (lighting.has_normal_map()) apply_normal_map(shading, lighting);
   label_skin(shading, mask);
   label_components(shading);
   return shading;

@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/vec.h"
 #include "irradiance/lighting.h"
 #include "irradiance/skin_mask.h"
+#include "scene/camera.h"
 #include "scene/mesh.h"
 
 namespace truescatter {
@@ -47,12 +49,19 @@ struct ShadingMesh {
 struct RefinementSettings {
   double tolerance = 0.02;  // of the largest possible irradiance, in any channel
   double floor_mm = 0.4;    // no edge that is at most this long is split
+  // Skin whose front lies in one of these views, hidden or not, has no edge longer than this.
+  std::vector<Camera> views = {};
+  double visible_edge_mm = std::numeric_limits<double>::infinity();
 };
 
 // Refines until, at every edge's midpoint and every triangle's centroid, the real lighting differs from the
 // linear value by at most `tolerance`, or edges are down to `floor_mm`; likewise along the mask's border. An
 // edge is split for both its triangles; the longest edge of a triangle is split before any other of it
 // (Rivara's closure), so that angles stay bounded.
+//
+// A normal map is finer than any shadow edge and as fine everywhere: the lighting that asks for splits is the
+// smooth one, without it, and `visible_edge_mm` bounds the edges where its relief is looked at. The corners'
+// irradiance is that of the mapped normals; a vertex has one value for all the charts that meet there.
 ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
                               const RefinementSettings& settings);
 

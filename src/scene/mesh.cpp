@@ -20,11 +20,6 @@ Vec3d area_vector(const Mesh& mesh, std::size_t triangle) {
 
 double angle_between(const Vec3d& a, const Vec3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-double corner_angle(const Mesh& mesh, std::size_t triangle, int c) {
-  const Vec3d& at = mesh.corner(triangle, c);
-  return angle_between(mesh.corner(triangle, (c + 1) % 3) - at, mesh.corner(triangle, (c + 2) % 3) - at);
-}
-
 double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const Vec3d ab = b - a;
   const double length2 = ab.squaredNorm();
@@ -146,6 +141,21 @@ struct PositionHash {
 
 }  // namespace
 
+CornersByVertex::CornersByVertex(std::size_t vertices, std::size_t triangles,
+                                 const std::function<std::array<int, 3>(std::size_t triangle)>& vertices_of)
+    : first_(vertices + 1, 0), corners_(3 * triangles) {
+  for (std::size_t t = 0; t < triangles; ++t) {
+    for (const int v : vertices_of(t)) ++first_[static_cast<std::size_t>(v) + 1];
+  }
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  std::vector<std::size_t> next = first_;
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const std::array<int, 3> of_triangle = vertices_of(t);
+    for (std::size_t c = 0; c < 3; ++c)
+      corners_[next[static_cast<std::size_t>(of_triangle[c])]++] = 3 * t + c;
+  }
+}
+
 Vec3d triangle_normal(const Mesh& mesh, std::size_t triangle) {
   const Vec3d vector = area_vector(mesh, triangle);
   const double length = vector.norm();
@@ -161,6 +171,11 @@ double surface_area_mm2(const Mesh& mesh) {
   double sum = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) sum += triangle_area_mm2(mesh, t);
   return sum;
+}
+
+double corner_angle_rad(const Mesh& mesh, std::size_t triangle, int c) {
+  const Vec3d& at = mesh.corner(triangle, c);
+  return angle_between(mesh.corner(triangle, (c + 1) % 3) - at, mesh.corner(triangle, (c + 2) % 3) - at);
 }
 
 std::uint64_t edge_key(int a, int b) {
@@ -200,7 +215,7 @@ void set_angle_weighted_normals(Mesh& mesh, double crease_angle_deg) {
   for (std::size_t corner = 0; corner < 3 * triangles; ++corner) {
     const std::size_t t = corner / 3;
     if (face_normals[t].isZero(0.0)) continue;
-    const Vec3d weighted = corner_angle(mesh, t, static_cast<int>(corner % 3)) * face_normals[t];
+    const Vec3d weighted = corner_angle_rad(mesh, t, static_cast<int>(corner % 3)) * face_normals[t];
     set_sums[sets.root(corner)] += weighted;
     vertex_sums[static_cast<std::size_t>(mesh.triangles[t][corner % 3])] += weighted;
   }

@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,10 +29,28 @@ struct Mesh {
   }
 };
 
+// The corners of triangles by vertex, as 3 * triangle + corner, ascending.
+class CornersByVertex {
+ public:
+  CornersByVertex(std::size_t vertices, std::size_t triangles,
+                  const std::function<std::array<int, 3>(std::size_t triangle)>& vertices_of);
+
+  std::span<const std::size_t> around(int vertex) const {
+    const auto v = static_cast<std::size_t>(vertex);
+    return std::span(corners_).subspan(first_[v], first_[v + 1] - first_[v]);
+  }
+
+ private:
+  std::vector<std::size_t> first_;  // of each vertex, in corners_
+  std::vector<std::size_t> corners_;
+};
+
 // Unit normal by the right-hand rule; zero for a degenerate triangle.
 Vec3d triangle_normal(const Mesh& mesh, std::size_t triangle);
 double triangle_area_mm2(const Mesh& mesh, std::size_t triangle);
 double surface_area_mm2(const Mesh& mesh);
+// The triangle's interior angle at its corner c.
+double corner_angle_rad(const Mesh& mesh, std::size_t triangle, int c);
 
 // The key of the edge between two vertices (indices, not negative), whichever way it runs.
 std::uint64_t edge_key(int a, int b);

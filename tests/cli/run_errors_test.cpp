@@ -175,6 +175,24 @@ TEST_F(CliErrorsBeforeComputing, ASkinMaskThatCannotBeRead) {
   expect_refused(run(masked), {"mask.png: cannot read this image"});
 }
 
+TEST_F(CliErrors, ANormalMapWithoutUvs) {
+  folder_.write("a.obj", kSquareObj);
+  write_png(folder_.path() / "map.png", Image(4, 4, 3, 0.5F));
+  expect_refused(run(with(kMeshFile, "obtain", "normal_map = \"map.png\"\nobtain")),
+                 {"truescatter: e.toml:5:14: ", "'scene.normal_map'", "has no UVs"});
+}
+
+TEST_F(CliErrors, ANormalMapThatCannotBeUsed) {
+  const std::string mapped =
+      with(kTiny, "[scene.parameters]", "normal_map = \"map.png\"\n[scene.parameters]");
+  expect_refused(run(mapped), {"truescatter: e.toml:5:14: no such file: ", "map.png"});
+  folder_.write("map.png", "no picture");
+  expect_refused(run(mapped), {"map.png: cannot read this image"});
+  write_png(folder_.path() / "map.png", Image(4, 4, 1, 0.5F));
+  expect_refused(run(mapped), {"truescatter: e.toml:5:14: 'scene.normal_map' needs red, green and blue, but ",
+                               "map.png has 1 channel"});
+}
+
 TEST_F(CliErrors, AMaskThatLeavesNoSkin) {
   write_png(folder_.path() / "mask.png", Image(4, 4, 1, 0.0F));
   expect_refused(run(with(kTiny, "[scene.parameters]", "skin_mask = \"mask.png\"\n[scene.parameters]")),

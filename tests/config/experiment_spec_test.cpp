@@ -43,6 +43,9 @@ unit_mm = 10.0
 normals = "angle-weighted"
 loop_subdivisions = 2
 skin_mask = "masks/skin.png"
+normal_map = "maps/normal.png"
+normal_map_strength = 1.5
+normal_map_green = "down"
 obtain = "ask\nfor it"
 
 [[light]]
@@ -60,6 +63,7 @@ color = 0.1
 [shading]
 tolerance = 0.05
 floor_mm = 0.7
+normal_map_edge_mm = 0.3
 
 [[view]]
 name = "left_1"
@@ -139,6 +143,10 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.scene.loop_subdivisions, 2);
   EXPECT_EQ(spec.scene.skin_mask, "masks/skin.png");
   EXPECT_EQ(spec.scene.skin_mask_where.line, 13);
+  EXPECT_EQ(spec.scene.normal_map, "maps/normal.png");
+  EXPECT_EQ(spec.scene.normal_map_where.line, 14);
+  EXPECT_EQ(spec.scene.normal_map_strength, 1.5);
+  EXPECT_EQ(spec.scene.normal_map_green, "down");
   EXPECT_EQ(spec.scene.obtain, "ask\nfor it");
 
   ASSERT_EQ(spec.lights.size(), 2U);
@@ -154,6 +162,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
 
   EXPECT_EQ(spec.shading.tolerance, 0.05);
   EXPECT_EQ(spec.shading.floor_mm, 0.7);
+  EXPECT_EQ(spec.shading.normal_map_edge_mm, 0.3);
 
   ASSERT_EQ(spec.views.size(), 2U);
   EXPECT_EQ(spec.views[0].name, "left_1");
@@ -167,7 +176,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   ASSERT_EQ(spec.profiles.size(), 2U);
   EXPECT_EQ(spec.profiles[0].name, "skin-six-gaussian");
   EXPECT_TRUE(spec.profiles[0].builtin);
-  EXPECT_EQ(spec.profiles[0].where.line, 46);
+  EXPECT_EQ(spec.profiles[0].where.line, 50);
   EXPECT_FALSE(spec.profiles[1].builtin);
   EXPECT_EQ(spec.profiles[1].delta_weight, Vec3d(0.1, 0.2, 0.3));
   EXPECT_EQ(spec.profiles[1].r_max_mm, 7.5);
@@ -184,7 +193,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.methods[1].label, "pscbf-7");
   EXPECT_EQ(std::get<double>(spec.methods[1].settings.at("taps")), 7.0);
   EXPECT_EQ(std::get<std::string>(spec.methods[1].settings.at("placement")), "centroid");
-  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 66);
+  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 70);
 
   EXPECT_EQ(spec.truth.tolerance, 1e-9);
   EXPECT_EQ(spec.truth.audit_points, 300);
@@ -212,6 +221,11 @@ TEST_F(ExperimentSpecTest, HasTheDocumentedDefaults) {
   EXPECT_TRUE(spec.lights[0].shadows);
   EXPECT_EQ(spec.shading.tolerance, 0.02);
   EXPECT_EQ(spec.shading.floor_mm, 0.4);
+  EXPECT_EQ(spec.scene.normal_map, "");
+  const ExperimentSpec mapped = read(kMinimal, {"scene.normal_map=n.png", "shading.floor_mm=0.7"});
+  EXPECT_EQ(mapped.scene.normal_map_strength, 1.0);
+  EXPECT_EQ(mapped.scene.normal_map_green, "up");
+  EXPECT_EQ(mapped.shading.normal_map_edge_mm, 0.7);  // the floor
   EXPECT_EQ(spec.views[0].target_mm, Vec3d(0, 0, 0));
   EXPECT_EQ(spec.views[0].up, Vec3d(0, 1, 0));
   EXPECT_EQ(spec.views[0].fov_deg, 30.0);
@@ -259,6 +273,9 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
   }
   EXPECT_EQ(a.shading.tolerance, b.shading.tolerance);
   EXPECT_EQ(a.shading.floor_mm, b.shading.floor_mm);
+  EXPECT_EQ(a.scene.normal_map_strength, b.scene.normal_map_strength);
+  EXPECT_EQ(a.scene.normal_map_green, b.scene.normal_map_green);
+  EXPECT_EQ(a.shading.normal_map_edge_mm, b.shading.normal_map_edge_mm);
   ASSERT_EQ(a.views.size(), b.views.size());
   for (std::size_t i = 0; i < a.views.size(); ++i) {
     EXPECT_EQ(a.views[i].name, b.views[i].name);
@@ -312,6 +329,7 @@ TEST_F(ExperimentSpecTest, AResolvedFileGivesTheSameExperiment) {
   const ExperimentSpec again = read(to_toml(read(kFull)));
   EXPECT_EQ(again.scene.mesh, (folder_.path() / "head.obj").string());
   EXPECT_EQ(again.scene.skin_mask, (folder_.path() / "masks/skin.png").string());
+  EXPECT_EQ(again.scene.normal_map, (folder_.path() / "maps/normal.png").string());
 }
 
 // Normalising a normalised vector moves its last bits for many directions: a resolved file must not.

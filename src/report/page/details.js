@@ -38,6 +38,13 @@ function sceneCard() {
                                          plural(scene.skin_components || 0, "skin component")}` :
                                      null
         ],
+        [
+          "Normal map",
+          scene.normal_map ? `${scene.normal_map.file}, strength ${number(scene.normal_map.strength)}, green ${
+                                 scene.normal_map.green}; skin in view has edges of ${
+                                 number(scene.normal_map.edge_mm)} mm at most` :
+                             null
+        ],
         ["Largest irradiance", number(scene.largest_irradiance)],
         [
           "Irradiance field\u2019s residual",
