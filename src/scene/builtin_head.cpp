@@ -8,10 +8,7 @@ namespace truescatter {
 Mesh make_head(double edge_mm) {
   ImplicitSurface surface;
   surface.value_mm = head_distance_mm;
-  surface.sample = [](const Vec3d& p) {
-    const ImplicitSample sample = head_sample(p);
-    return ImplicitSurface::Sample{sample.value_mm, sample.gradient};
-  };
+  surface.sample = head_sample;
   surface.edge_mm = [edge_mm](const Vec3d& p) { return head_edge_mm(p, edge_mm); };
   surface.lower_mm = {-72.0, -112.0, -84.0};
   surface.upper_mm = {72.0, 102.0, 92.0};

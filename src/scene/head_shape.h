@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/vec.h"
+#include "scene/implicit_mesh.h"
 
 namespace truescatter {
 
@@ -9,10 +10,6 @@ namespace truescatter {
 double head_distance_mm(const Vec3d& p_mm);
 
 // Value and gradient of the above, from one set of samples.
-struct ImplicitSample {
-  double value_mm;
-  Vec3d gradient;
-};
 ImplicitSample head_sample(const Vec3d& p_mm);
 
 // How finely the skin around a point must be meshed: the target edge length, given the one that is wanted

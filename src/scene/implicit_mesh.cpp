@@ -215,7 +215,7 @@ class Remesher {
     Vec3d p = to_eigen(mesh_.point(v));
     Vec3d gradient;
     for (int step = 0; step < steps; ++step) {
-      const ImplicitSurface::Sample sample = surface_.sample(p);
+      const ImplicitSample sample = surface_.sample(p);
       gradient = sample.gradient;
       const double reach_mm = 0.5 * surface_.cell_mm;
       const double move_mm = std::clamp(sample.value_mm / gradient.norm(), -reach_mm, reach_mm);

@@ -7,14 +7,16 @@
 
 namespace truescatter {
 
+// A function of space, and its gradient, at a point.
+struct ImplicitSample {
+  double value_mm;  // roughly a distance near the surface
+  Vec3d gradient;
+};
+
 // A closed surface, given by a function that is negative inside.
 struct ImplicitSurface {
-  struct Sample {
-    double value_mm;  // roughly a distance near the surface
-    Vec3d gradient;
-  };
   std::function<double(const Vec3d&)> value_mm;
-  std::function<Sample(const Vec3d&)> sample;
+  std::function<ImplicitSample(const Vec3d&)> sample;
   std::function<double(const Vec3d&)> edge_mm;  // wanted edge length at a point
   Vec3d lower_mm;                               // a box that holds the surface
   Vec3d upper_mm;
