@@ -20,7 +20,7 @@ struct SceneSpec {
   std::string mesh;  // "builtin:NAME", or a file's path (relative to the experiment's file)
   SourceLocation mesh_where;
   std::map<std::string, double> parameters;  // of a built-in scene
-  SourceLocation parameters_where;
+  std::map<std::string, SourceLocation> parameters_where;
   double unit_mm = 1.0;
   std::string normals = "automatic";  // automatic | file | angle-weighted
   int loop_subdivisions = 0;

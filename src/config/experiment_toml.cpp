@@ -29,9 +29,10 @@ SceneSpec read_scene(TomlTable table) {
   scene.mesh = table.text("mesh");
   scene.mesh_where = table.where("mesh");
   TomlTable parameters = table.table("parameters");
-  scene.parameters_where = parameters.where();
-  for (const std::string& key : parameters.keys())
+  for (const std::string& key : parameters.keys()) {
     scene.parameters[key] = parameters.number(key, -kHuge, kHuge);
+    scene.parameters_where[key] = parameters.where(key);
+  }
   scene.unit_mm = table.number("unit_mm", 1.0, 1e-9, 1e9);
   scene.normals = table.one_of("normals", "automatic", {"automatic", "file", "angle-weighted"});
   scene.loop_subdivisions = table.whole("loop_subdivisions", 0, 0, 6);

@@ -1,6 +1,5 @@
 #include "experiment/scene_setup.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -17,19 +16,12 @@ constexpr std::size_t kResidualSamples = 20000;
 
 bool is_builtin(const SceneSpec& scene) { return scene.mesh.starts_with(kBuiltinPrefix); }
 
-// `use(name, parameters)` of the scene's built-in; its errors get the place in the experiment.
+// `use(name, parameters, locations)` of the scene's built-in.
 template <typename Use>
 auto with_builtin(const SceneSpec& scene, const Use& use) {
-  const std::string name = scene.mesh.substr(kBuiltinPrefix.size());
-  try {
-    return use(name, BuiltinParameters(scene.parameters.begin(), scene.parameters.end()));
-  } catch (const Error& error) {
-    const std::vector<BuiltinScene>& known = builtin_scenes();
-    const bool named =
-        std::any_of(known.begin(), known.end(), [&](const BuiltinScene& s) { return s.name == name; });
-    const bool parameter = named && !scene.parameters.empty();
-    throw Error(error.kind(), parameter ? scene.parameters_where : scene.mesh_where, error.what());
-  }
+  return use(scene.mesh.substr(kBuiltinPrefix.size()),
+             BuiltinParameters(scene.parameters.begin(), scene.parameters.end()),
+             BuiltinLocations{scene.mesh_where, scene.parameters_where});
 }
 
 Mesh load_mesh_file(const ExperimentSpec& spec, int loop_subdivisions) {

@@ -349,29 +349,35 @@ double expected_triangles(std::string_view name, const BuiltinParameters& p) {
   return 2.0 * area / (edge * edge);
 }
 
-const BuiltinScene& find_scene(std::string_view name) {
+const BuiltinScene& find_scene(std::string_view name, const SourceLocation& where) {
   std::vector<std::string_view> names;
   for (const BuiltinScene& scene : builtin_scenes()) {
     if (scene.name == name) return scene;
     names.push_back(scene.name);
   }
-  throw_input_error({}, "\"{}\" is not a built-in scene: {}", name, fmt::join(names, ", "));
+  throw_input_error(where, "\"{}\" is not a built-in scene: {}", name, fmt::join(names, ", "));
 }
 
-void check_known(const BuiltinScene& scene, std::string_view parameter) {
+SourceLocation location_of(const BuiltinLocations& where, std::string_view parameter) {
+  const auto found = where.parameters.find(std::string(parameter));
+  return found != where.parameters.end() ? found->second : where.name;
+}
+
+void check_known(const BuiltinScene& scene, std::string_view parameter, const BuiltinLocations& where) {
   std::vector<std::string_view> names;
   for (const BuiltinParameter& known : scene.parameters) {
     if (known.name == parameter) return;
     names.push_back(known.name);
   }
-  throw_input_error({}, "the scene \"{}\" has no parameter \"{}\": {}", scene.name, parameter,
-                    fmt::join(names, ", "));
+  throw_input_error(location_of(where, parameter), "the scene \"{}\" has no parameter \"{}\": {}", scene.name,
+                    parameter, fmt::join(names, ", "));
 }
 
-void check_range(const BuiltinScene& scene, const BuiltinParameter& parameter, double value) {
+void check_range(const BuiltinScene& scene, const BuiltinParameter& parameter, double value,
+                 const BuiltinLocations& where) {
   if (value >= parameter.minimum && value <= parameter.maximum) return;  // false for NaN
-  throw_input_error({}, "the scene \"{}\" has {} = {}: it must be {} to {}", scene.name, parameter.name,
-                    value, parameter.minimum, parameter.maximum);
+  throw_input_error(location_of(where, parameter.name), "the scene \"{}\" has {} = {}: it must be {} to {}",
+                    scene.name, parameter.name, value, parameter.minimum, parameter.maximum);
 }
 
 }  // namespace
@@ -415,24 +421,27 @@ const std::vector<BuiltinScene>& builtin_scenes() {
   return scenes;
 }
 
-BuiltinParameters complete_parameters(std::string_view name, const BuiltinParameters& given) {
-  const BuiltinScene& scene = find_scene(name);
-  for (const auto& [parameter, value] : given) check_known(scene, parameter);
+BuiltinParameters complete_parameters(std::string_view name, const BuiltinParameters& given,
+                                      const BuiltinLocations& where) {
+  const BuiltinScene& scene = find_scene(name, where.name);
+  for (const auto& [parameter, value] : given) check_known(scene, parameter, where);
   BuiltinParameters complete = given;
   for (const BuiltinParameter& parameter : scene.parameters) {
     const double value =
         complete.try_emplace(std::string(parameter.name), parameter.default_value).first->second;
-    check_range(scene, parameter, value);
+    check_range(scene, parameter, value, where);
   }
   if (const double triangles = expected_triangles(name, complete); triangles > kMostTriangles) {
-    throw_input_error({}, "the scene \"{}\" has edge_mm = {}: about {:.2g} triangles, and {:.2g} is the most",
+    throw_input_error(location_of(where, "edge_mm"),
+                      "the scene \"{}\" has edge_mm = {}: about {:.2g} triangles, and {:.2g} is the most",
                       scene.name, value_of(complete, "edge_mm"), triangles, kMostTriangles);
   }
   return complete;
 }
 
-Mesh make_builtin(std::string_view name, const BuiltinParameters& parameters) {
-  return find_scene(name).generate(complete_parameters(name, parameters));
+Mesh make_builtin(std::string_view name, const BuiltinParameters& parameters, const BuiltinLocations& where) {
+  const BuiltinParameters complete = complete_parameters(name, parameters, where);
+  return find_scene(name, where.name).generate(complete);
 }
 
 }  // namespace truescatter

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/error.h"
 #include "scene/mesh.h"
 
 namespace truescatter {
@@ -32,13 +33,22 @@ struct BuiltinScene {
 // The table of built-in scenes: head, sphere, plane, wedge, slab, tube, cards.
 const std::vector<BuiltinScene>& builtin_scenes();
 
+// Where a scene's name and its parameters stand in the user's input, for messages.
+struct BuiltinLocations {
+  SourceLocation name;
+  std::map<std::string, SourceLocation> parameters;
+};
+
 // A scene's parameters with defaults for those that are not given, checked without generating it.
-// Throws Error (input) for an unknown name or parameter, a value out of its range, or too many triangles.
-BuiltinParameters complete_parameters(std::string_view name, const BuiltinParameters& given);
+// Throws Error (input) for an unknown name, at the name, and for an unknown parameter or a value out of its
+// range, at the parameter. Too many triangles are edge_mm's fault, or the name's where that is not given.
+BuiltinParameters complete_parameters(std::string_view name, const BuiltinParameters& given,
+                                      const BuiltinLocations& where = {});
 
 // Generates a scene by name; parameters that are not given take their defaults.
 // Throws Error (input): see complete_parameters.
-Mesh make_builtin(std::string_view name, const BuiltinParameters& parameters = {});
+Mesh make_builtin(std::string_view name, const BuiltinParameters& parameters = {},
+                  const BuiltinLocations& where = {});
 
 // The bust: about 200 mm from chin-and-neck to crown, y up, looking along +z, closed, one UV atlas.
 // `edge_mm`: target edge length of its triangles.

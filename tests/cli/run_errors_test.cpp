@@ -93,8 +93,12 @@ TEST_F(CliErrorsBeforeComputing, UnknownNames) {
                  {"truescatter: e.toml:4:8: ", "\"plain\" is not a built-in scene", "plane"});
   expect_refused(
       run(with(kTiny, "size_mm", "sise_mm")),
-      {"truescatter: e.toml:5:1: ", "the scene \"plane\" has no parameter \"sise_mm\"", "size_mm"});
-  expect_refused(run(with(kTiny, "20.0", "-20.0")), {"truescatter: e.toml:5:1: ", "size_mm = -20"});
+      {"truescatter: e.toml:6:11: ", "the scene \"plane\" has no parameter \"sise_mm\"", "size_mm"});
+  expect_refused(run(with(kTiny, "20.0", "-20.0")), {"truescatter: e.toml:6:11: ", "size_mm = -20"});
+  expect_refused(run(kTiny, {"--set", "scene.parameters.edge_mm=0"}),
+                 {"truescatter: --set scene.parameters.edge_mm=0: ", "edge_mm = 0"});
+  expect_refused(run(with(with(kTiny, "20.0", "1000.0"), "5.0", "0.06")),
+                 {"truescatter: e.toml:7:11: ", "edge_mm = 0.06: about 5.6e+08 triangles"});
 }
 
 TEST_F(CliErrorsBeforeComputing, WrongSettings) {
