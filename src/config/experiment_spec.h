@@ -31,7 +31,11 @@ struct SceneSpec {
   SourceLocation normal_map_where;
   double normal_map_strength = 1.0;     // multiplies its slope
   std::string normal_map_green = "up";  // up: along v | down: against it
-  std::string obtain;                   // where the data can be had; told when a file is missing
+  // Path of a colour texture in UV; empty: white. It multiplies light after the scattering, in pictures for
+  // the eye only: exitance, errors and FLIP are without it.
+  std::string albedo;
+  SourceLocation albedo_where;
+  std::string obtain;  // where the data can be had; told when a file is missing
 };
 
 struct LightSpec {

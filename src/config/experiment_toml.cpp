@@ -47,6 +47,8 @@ SceneSpec read_scene(TomlTable table) {
     if (scene.normal_map.empty() && table.has(key))
       table.fail(key, fmt::format("'scene.{}' needs a 'scene.normal_map'", key));
   }
+  scene.albedo = table.text("albedo", "");
+  scene.albedo_where = table.where("albedo");
   scene.obtain = table.text("obtain", "");
   if (scene.mesh.starts_with("builtin:")) {
     for (const char* key : {"unit_mm", "normals", "loop_subdivisions", "flip_v"}) {
@@ -366,6 +368,7 @@ std::string scene_toml(const ExperimentSpec& spec) {
             line("normal_map_strength", scene.normal_map_strength) +
             line("normal_map_green", scene.normal_map_green);
   }
+  if (!scene.albedo.empty()) text += line("albedo", portable(scene.albedo));
   if (!scene.obtain.empty()) text += line("obtain", scene.obtain);
   if (!scene.parameters.empty()) text += "[scene.parameters]\n";
   for (const auto& [key, value] : scene.parameters) text += line(key, value);

@@ -81,13 +81,15 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   write_with_oiio(path, spec, OIIO::TypeDesc::UINT8, bytes.data());
 }
 
-Image read_image(const std::filesystem::path& path, std::vector<std::string>* channel_names) {
+namespace {
+
+Image read_with_spec(const std::filesystem::path& path, OIIO::ImageSpec& spec) {
   if (!std::filesystem::exists(path)) throw_input_error({path.string()}, "no such file");
   OIIO::ImageSpec as_stored;
   as_stored.attribute(kUnassociatedAlpha, 1);
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &as_stored);
   if (!input) throw_input_error({path.string()}, "cannot read this image: {}", OIIO::geterror());
-  const OIIO::ImageSpec& spec = input->spec();
+  spec = input->spec();
   if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.depth > 1) {
     throw_input_error({path.string()}, "the image is {} x {} x {} with {} channels; a flat image is needed",
                       spec.width, spec.height, spec.depth, spec.nchannels);
@@ -96,7 +98,31 @@ Image read_image(const std::filesystem::path& path, std::vector<std::string>* ch
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.data().data())) {
     throw_input_error({path.string()}, "cannot read the pixels: {}", input->geterror());
   }
+  return image;
+}
+
+}  // namespace
+
+Image read_image(const std::filesystem::path& path, std::vector<std::string>* channel_names) {
+  OIIO::ImageSpec spec;
+  Image image = read_with_spec(path, spec);
   if (channel_names != nullptr) *channel_names = spec.channelnames;
+  return image;
+}
+
+Image read_linear_colours(const std::filesystem::path& path) {
+  OIIO::ImageSpec spec;
+  Image image = read_with_spec(path, spec);
+  if (spec.format.is_floating_point()) return image;
+  const int colours = std::min(3, image.channels());
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      for (int c = 0; c < colours; ++c) {
+        float& value = image.at(x, y, c);
+        value = static_cast<float>(srgb_decode(static_cast<double>(value)));
+      }
+    }
+  }
   return image;
 }
 

@@ -13,6 +13,12 @@ namespace {
 
 using Job = std::function<void()>;
 
+// What is shown of an exitance: with the albedo after the scattering.
+Image rendered_picture(Image exitance, const Image& albedo, double exposure) {
+  for (std::size_t i = 0; i < albedo.data().size(); ++i) exitance.data()[i] *= albedo.data()[i];
+  return display_picture(exitance, exposure);
+}
+
 // What has to be written for one view; each job is one file.
 void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, double range, double exposure,
               std::vector<Job>& jobs) {
@@ -20,8 +26,8 @@ void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, double ra
     write_png(maps / (view.name + ".irradiance.png"), display_picture(view.irradiance, exposure));
   });
   for (const ViewMaps::Truth& truth : view.truths) {
-    jobs.emplace_back([&truth, maps, exposure] {
-      write_png(maps / (truth.stem + ".png"), display_picture(truth.rgb, exposure));
+    jobs.emplace_back([&view, &truth, maps, exposure] {
+      write_png(maps / (truth.stem + ".png"), rendered_picture(truth.rgb, view.albedo, exposure));
     });
     jobs.emplace_back([&view, &truth, maps] {
       write_exr(
@@ -30,8 +36,8 @@ void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, double ra
     });
   }
   for (const ViewMaps::Run& run : view.runs) {
-    jobs.emplace_back([&run, maps, exposure] {
-      write_png(maps / (run.stem + ".png"), display_picture(run.exitance, exposure));
+    jobs.emplace_back([&view, &run, maps, exposure] {
+      write_png(maps / (run.stem + ".png"), rendered_picture(run.exitance, view.albedo, exposure));
     });
     jobs.emplace_back([&view, &run, maps, range] {
       write_png(maps / (run.stem + ".abs.png"),

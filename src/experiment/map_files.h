@@ -26,6 +26,7 @@ struct ViewMaps {
   Image irradiance;
   Image mask;      // skin
   Image measured;  // skin with mass enough to be measured
+  Image albedo;    // empty where there is none
   std::list<Truth> truths;
   std::list<Run> runs;
 };

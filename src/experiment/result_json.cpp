@@ -67,6 +67,7 @@ json scene_json(const ExperimentSpec& spec, const PreparedScene& scene) {
                             {"green", spec.scene.normal_map_green},
                             {"edge_mm", spec.shading.normal_map_edge_mm}};
   }
+  if (!spec.scene.albedo.empty()) object["albedo"] = spec.scene.albedo;
   if (!scene.uvs) {
     object["uv"] = nullptr;
     return object;

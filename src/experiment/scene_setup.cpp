@@ -73,7 +73,7 @@ SkinMask load_mask(const ExperimentSpec& spec, bool has_uvs) {
       read_image(texture_path(spec, has_uvs, "skin_mask", scene.skin_mask, scene.skin_mask_where)));
 }
 
-// Empty where there is none, like the albedo.
+// Empty where there is none.
 Image load_normal_image(const ExperimentSpec& spec, bool has_uvs) {
   const SceneSpec& scene = spec.scene;
   if (scene.normal_map.empty()) return {};
@@ -92,6 +92,15 @@ NormalMap load_normal_map(const ExperimentSpec& spec, const Mesh& mesh) {
           {scene.normal_map_strength, scene.normal_map_green == "down"}};
 }
 
+UvTexture load_albedo(const ExperimentSpec& spec, bool has_uvs) {
+  const SceneSpec& scene = spec.scene;
+  if (scene.albedo.empty()) return {};
+  const std::filesystem::path path = texture_path(spec, has_uvs, "albedo", scene.albedo, scene.albedo_where);
+  Image image = read_linear_colours(path);
+  require_three_channels(image, path, "albedo", scene.albedo_where);
+  return UvTexture(std::move(image));
+}
+
 RefinementSettings refinement_of(const ExperimentSpec& spec) {
   RefinementSettings settings{spec.shading.tolerance, spec.shading.floor_mm};
   if (spec.scene.normal_map.empty()) return settings;
@@ -107,6 +116,7 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   PreparedScene scene;
   scene.mesh = load_scene_mesh(spec);
   if (scene.mesh.has_uvs()) scene.uvs = inspect_uvs(scene.mesh);
+  scene.albedo = load_albedo(spec, scene.mesh.has_uvs());
   const SkinMask mask = load_mask(spec, scene.mesh.has_uvs());
   std::vector<Light> lights;
   for (const LightSpec& light : spec.lights) lights.push_back(light_of(light));
@@ -138,6 +148,7 @@ SceneOutline check_scene(const ExperimentSpec& spec) {
   }
   load_mask(spec, outline.has_uvs);
   load_normal_image(spec, outline.has_uvs);
+  load_albedo(spec, outline.has_uvs);
   return outline;
 }
 

@@ -9,6 +9,7 @@
 #include "scene/camera.h"
 #include "scene/load_mesh.h"
 #include "scene/mesh.h"
+#include "scene/uv_texture.h"
 #include "truth/surface.h"
 
 namespace truescatter {
@@ -19,6 +20,7 @@ struct PreparedScene {
   ShadingMesh shading;
   double largest_irradiance = 0.0;  // of the skin's corners: the unit of tolerances
   std::optional<UvReport> uvs;
+  UvTexture albedo;  // linear RGB; empty where there is none
 };
 
 // Loads or generates the mesh, lights it and refines it into the shading mesh.

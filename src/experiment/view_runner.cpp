@@ -97,6 +97,24 @@ struct Comparison {
   const FlipReference& flip;
 };
 
+// The albedo behind every pixel; empty without one.
+Image albedo_of_view(const PreparedScene& scene, const FrameImages& images) {
+  if (scene.albedo.empty()) return {};
+  Image albedo(images.mask.width(), images.mask.height(), 3);
+  for (int y = 0; y < albedo.height(); ++y) {
+    for (int x = 0; x < albedo.width(); ++x) {
+      const PixelSurface& at = images.surface_at(x, y);
+      if (at.triangle < 0) continue;
+      const ShadingTriangle& triangle = scene.shading.triangles[static_cast<std::size_t>(at.triangle)];
+      Vec2d uv = Vec2d::Zero();
+      for (std::size_t c = 0; c < 3; ++c)
+        uv += at.barycentric[static_cast<Eigen::Index>(c)] * triangle.uvs[c];
+      albedo.set_rgb(x, y, scene.albedo.rgb(uv));
+    }
+  }
+  return albedo;
+}
+
 class ViewRunner {
  public:
   ViewRunner(const Setup& setup, const ViewSpec& view, json& results)
@@ -113,6 +131,7 @@ class ViewRunner {
     maps_.irradiance = images_.irradiance;
     maps_.mask = images_.mask;
     maps_.measured = images_.mask;
+    maps_.albedo = albedo_of_view(setup.scene, images_);
   }
 
   ViewMaps run() {

@@ -197,6 +197,16 @@ TEST_F(CliErrors, ANormalMapThatCannotBeUsed) {
                                "map.png has 1 channel"});
 }
 
+TEST_F(CliErrors, AnAlbedoThatCannotBeUsed) {
+  const std::string coloured = with(kTiny, "[scene.parameters]", "albedo = \"a.png\"\n[scene.parameters]");
+  expect_refused(run(coloured), {"truescatter: e.toml:5:10: no such file: ", "a.png"});
+  write_png(folder_.path() / "a.png", Image(4, 4, 1, 0.5F));
+  expect_refused(run(coloured), {"truescatter: e.toml:5:10: 'scene.albedo' needs red, green and blue, but "});
+  folder_.write("a.obj", kSquareObj);
+  expect_refused(run(with(kMeshFile, "obtain", "albedo = \"a.png\"\nobtain")),
+                 {"truescatter: e.toml:5:10: ", "'scene.albedo' is a texture in UV, but a.obj has no UVs"});
+}
+
 TEST_F(CliErrors, AMaskThatLeavesNoSkin) {
   write_png(folder_.path() / "mask.png", Image(4, 4, 1, 0.0F));
   expect_refused(run(with(kTiny, "[scene.parameters]", "skin_mask = \"mask.png\"\n[scene.parameters]")),

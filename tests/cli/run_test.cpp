@@ -44,6 +44,40 @@ TEST_F(CliRun, ANormalMapEntersThroughTheIrradiance) {
   EXPECT_TRUE(contains(resolved, "normal_map_edge_mm = 1\n")) << resolved;
 }
 
+// Left half red of 188 of 255, about 0.5 in linear light, right half white: it shows in the pictures of the
+// results, and in nothing else.
+TEST_F(CliRun, AnAlbedoShowsInPicturesOnly) {
+  Image albedo(64, 64, 3, 1.0F);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 32; ++x) albedo.set_rgb(x, y, Vec3d(188.0, 0.0, 0.0) / 255.0);
+  }
+  write_png(folder_.path() / "a.png", albedo);
+  ASSERT_EQ(run(kTiny).exit_code, 0);
+  const Json white = json("out/results.json");
+  const Image white_light = read_exr_layer(folder_.path() / "out/maps/front.spike-and-base.pscbf.exr", "");
+  const std::string white_irradiance = text("out/maps/front.irradiance.png");
+  const ProgramResult result =
+      run(with(kTiny, "[scene.parameters]", "albedo = \"a.png\"\n[scene.parameters]"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json coloured = json("out/results.json");
+  EXPECT_EQ(coloured.at("scene").at("albedo"), "a.png");
+  for (std::size_t i = 0; i < white.at("runs").size(); ++i) {
+    EXPECT_EQ(coloured.at("runs").at(i).at("metrics"), white.at("runs").at(i).at("metrics"));
+  }
+  const Image light = read_exr_layer(folder_.path() / "out/maps/front.spike-and-base.pscbf.exr", "");
+  EXPECT_TRUE(std::equal(light.data().begin(), light.data().end(), white_light.data().begin()));
+  EXPECT_EQ(text("out/maps/front.irradiance.png"), white_irradiance);
+  for (const char* name : {"truth", "none", "pscbf"}) {
+    const Image picture =
+        read_image(folder_.path() / ("out/maps/front.spike-and-base." + std::string(name) + ".png"));
+    // The square is evenly lit and exposed to white, so its picture is the albedo's own code, up to one step
+    // of rounding; u runs to the right.
+    EXPECT_NEAR(picture.at(10, 24, 0), 188.0 / 255.0, 1.01 / 255.0) << name;
+    EXPECT_EQ(picture.at(10, 24, 1), 0.0F) << name;
+    EXPECT_NEAR(picture.at(38, 24, 1), 1.0, 1.01 / 255.0) << name;
+  }
+}
+
 // DESIGN section 4.
 TEST_F(CliRun, WritesEveryFileWithTheDocumentedKeys) {
   const ProgramResult result = run(kTiny);

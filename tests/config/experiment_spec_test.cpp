@@ -43,6 +43,7 @@ unit_mm = 10.0
 normals = "angle-weighted"
 loop_subdivisions = 2
 skin_mask = "masks/skin.png"
+albedo = "maps/albedo.png"
 normal_map = "maps/normal.png"
 normal_map_strength = 1.5
 normal_map_green = "down"
@@ -144,7 +145,9 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.scene.skin_mask, "masks/skin.png");
   EXPECT_EQ(spec.scene.skin_mask_where.line, 13);
   EXPECT_EQ(spec.scene.normal_map, "maps/normal.png");
-  EXPECT_EQ(spec.scene.normal_map_where.line, 14);
+  EXPECT_EQ(spec.scene.normal_map_where.line, 15);
+  EXPECT_EQ(spec.scene.albedo, "maps/albedo.png");
+  EXPECT_EQ(spec.scene.albedo_where.line, 14);
   EXPECT_EQ(spec.scene.normal_map_strength, 1.5);
   EXPECT_EQ(spec.scene.normal_map_green, "down");
   EXPECT_EQ(spec.scene.obtain, "ask\nfor it");
@@ -176,7 +179,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   ASSERT_EQ(spec.profiles.size(), 2U);
   EXPECT_EQ(spec.profiles[0].name, "skin-six-gaussian");
   EXPECT_TRUE(spec.profiles[0].builtin);
-  EXPECT_EQ(spec.profiles[0].where.line, 50);
+  EXPECT_EQ(spec.profiles[0].where.line, 51);
   EXPECT_FALSE(spec.profiles[1].builtin);
   EXPECT_EQ(spec.profiles[1].delta_weight, Vec3d(0.1, 0.2, 0.3));
   EXPECT_EQ(spec.profiles[1].r_max_mm, 7.5);
@@ -193,7 +196,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.methods[1].label, "pscbf-7");
   EXPECT_EQ(std::get<double>(spec.methods[1].settings.at("taps")), 7.0);
   EXPECT_EQ(std::get<std::string>(spec.methods[1].settings.at("placement")), "centroid");
-  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 70);
+  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 71);
 
   EXPECT_EQ(spec.truth.tolerance, 1e-9);
   EXPECT_EQ(spec.truth.audit_points, 300);
@@ -329,6 +332,7 @@ TEST_F(ExperimentSpecTest, AResolvedFileGivesTheSameExperiment) {
   const ExperimentSpec again = read(to_toml(read(kFull)));
   EXPECT_EQ(again.scene.mesh, (folder_.path() / "head.obj").string());
   EXPECT_EQ(again.scene.skin_mask, (folder_.path() / "masks/skin.png").string());
+  EXPECT_EQ(again.scene.albedo, (folder_.path() / "maps/albedo.png").string());
   EXPECT_EQ(again.scene.normal_map, (folder_.path() / "maps/normal.png").string());
 }
 

@@ -154,6 +154,19 @@ void expect_unreadable(const fs::path& path) {
   EXPECT_EQ(std::string(error->what()).rfind(path.string() + ": ", 0), 0U) << error->what();
 }
 
+// 188 of 255 is 0.5029 in linear light, by IEC 61966-2-1: ((188/255 + 0.055) / 1.055)^2.4.
+TEST(ReadLinearColours, DecodesWholeNumbersAndKeepsFloats) {
+  const TempDir folder;
+  const Image image(2, 1, 4, static_cast<float>(188.0 / 255.0));
+  write_png(folder.path() / "a.png", image);
+  const Image decoded = read_linear_colours(folder.path() / "a.png");
+  ASSERT_EQ(decoded.channels(), 4);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(decoded.at(1, 0, c), 0.5029, 5e-5);
+  EXPECT_EQ(decoded.at(1, 0, 3), image.at(1, 0, 3));  // not a colour
+  write_exr(folder.path() / "a.exr", {{"", &image}});
+  EXPECT_EQ(read_linear_colours(folder.path() / "a.exr").at(1, 0, 0), image.at(1, 0, 0));
+}
+
 TEST(ReadImage, ErrorsBeginWithTheFile) {
   const TempDir folder;
   expect_unreadable(folder.path() / "none.png");

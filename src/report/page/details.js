@@ -45,6 +45,12 @@ function sceneCard() {
                                  number(scene.normal_map.edge_mm)} mm at most` :
                              null
         ],
+        [
+          "Albedo",
+          scene.albedo ? `${scene.albedo}. It multiplies the pictures of the truth and the methods after the ` +
+                             "scattering, and nothing else: every number, map and FLIP is without it." :
+                         null
+        ],
         ["Largest irradiance", number(scene.largest_irradiance)],
         [
           "Irradiance field\u2019s residual",
