@@ -280,7 +280,7 @@ TEST_F(CliErrorsBeforeComputing, AThresholdOnNoMethod) {
 
 TEST_F(CliErrorsBeforeComputing, ABuiltinSceneOfTooManyTriangles) {
   expect_refused(run(with(with(kTiny, "20.0", "1000.0"), "5.0", "0.1")),
-                 {"truescatter: e.toml:5:1: ", "edge_mm = 0.1: about 2e+08 triangles"});
+                 {"truescatter: e.toml:7:11: ", "edge_mm = 0.1: about 2e+08 triangles"});
 }
 
 }  // namespace
