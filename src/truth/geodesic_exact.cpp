@@ -1,0 +1,43 @@
+#include "truth/geodesic_exact.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "core/parallel.h"
+#include "truth/face_integral.h"
+
+namespace truescatter {
+namespace {
+// Of the mass of a plane: what the quadrature over one stretch of a piece's edge may err by.
+constexpr double kQuadratureError = 1e-14;
+}  // namespace
+
+std::vector<Vec4d> GeodesicExactEngine::convolve(GeodesicField& field, const GeodesicTarget& target,
+                                                 std::span<const TruthLayer> layers) const {
+  double radius_mm = 0.0;
+  for (const TruthLayer& layer : layers)
+    radius_mm = std::max(radius_mm, std::min(layer.r_max_mm, search_std_devs_ * layer.std_dev_mm));
+  field.propagate(target.point, radius_mm);
+  std::vector<Vec4d> sums(layers.size(), Vec4d::Zero());
+  for (const std::int32_t face : field.faces()) {
+    FaceIntegral integral(surface_.mesh(), field, static_cast<std::size_t>(face), kQuadratureError);
+    integral.add(surface_.pieces(static_cast<std::size_t>(face)), target.component, layers, sums);
+  }
+  return sums;
+}
+
+TruthValues GeodesicExactEngine::convolve(std::span<const GeodesicTarget> targets,
+                                          std::span<const TruthLayer> layers) const {
+  TruthValues values(layers.size(), std::vector<Vec4d>(targets.size(), Vec4d::Zero()));
+  constexpr std::size_t kChunk = 8;
+  parallel_for((targets.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    GeodesicField field(surface_.mesh());
+    for (std::size_t i = chunk * kChunk; i < std::min(targets.size(), (chunk + 1) * kChunk); ++i) {
+      const std::vector<Vec4d> sums = convolve(field, targets[i], layers);
+      for (std::size_t l = 0; l < layers.size(); ++l) values[l][i] = sums[l];
+    }
+  });
+  return values;
+}
+
+}  // namespace truescatter

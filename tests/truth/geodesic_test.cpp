@@ -1,0 +1,219 @@
+// The geodesic truth against closed forms (sources: the cone, saddle and cylinder below are isometric to
+// sectors and strips of the plane, where everything is a Gaussian integral).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/parallel.h"
+#include "scene/builtin.h"
+#include "truth/exact.h"
+#include "truth/geodesic_exact.h"
+
+namespace truescatter {
+namespace {
+
+double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11U) * 0x1.0p-53; }
+
+struct Soup {
+  std::vector<Vec3d> positions_mm;
+  std::vector<std::array<int, 3>> triangles;
+};
+
+// A fan of `count` isosceles triangles of total angle `total` about a vertex at the origin, legs of `leg` mm,
+// in space: cones by tilting, saddles by waving. Geodesics only see lengths, so any isometric embedding will
+// do; this one puts the rim's points at directions whose successive angles are total / count.
+Soup fan(double total, int count, double leg) {
+  Soup soup;
+  soup.positions_mm.push_back(Vec3d::Zero());
+  const double step = total / count;
+  // Rim directions on the unit sphere, alternating latitudes +-b with equal longitudes apart: the angle
+  // between neighbours grows with b for a saddle; a cone has all at one latitude.
+  const double longitude = 2.0 * kPi / count;
+  for (int i = 0; i < count; ++i) {
+    double latitude = 0.0;
+    if (step < longitude) {
+      // cos(step) = sin^2 b + cos^2 b cos(longitude)
+      latitude = std::acos(std::sqrt((1.0 - std::cos(step)) / (1.0 - std::cos(longitude))));
+    } else {
+      // cos(step) = -sin^2 b + cos^2 b cos(longitude)
+      latitude = std::acos(std::sqrt((1.0 + std::cos(step)) / (1.0 + std::cos(longitude))));
+      if (i % 2 == 1) latitude = -latitude;
+    }
+    const double phi = i * longitude;
+    soup.positions_mm.push_back(leg * Vec3d(std::cos(latitude) * std::cos(phi),
+                                            std::cos(latitude) * std::sin(phi), std::sin(latitude)));
+  }
+  for (int i = 0; i < count; ++i) soup.triangles.push_back({0, 1 + i, 1 + (i + 1) % count});
+  return soup;
+}
+
+GeodesicSurface lit(const Soup& soup, std::uint64_t seed) {
+  std::mt19937_64 generator(seed);
+  std::vector<Vec3d> value(soup.positions_mm.size());
+  for (Vec3d& v : value) v = Vec3d(uniform(generator), uniform(generator), uniform(generator));
+  std::vector<GeodesicPiece> pieces;
+  for (std::size_t f = 0; f < soup.triangles.size(); ++f) {
+    GeodesicPiece piece;
+    piece.face = f;
+    for (std::size_t c = 0; c < 3; ++c) {
+      piece.barycentric[c] = Vec3d::Unit(static_cast<Eigen::Index>(c));
+      piece.irradiance[c] = value[static_cast<std::size_t>(soup.triangles[f][c])];
+    }
+    pieces.push_back(piece);
+  }
+  return {IntrinsicMesh(soup.positions_mm, soup.triangles), pieces};
+}
+
+Vec4d exact_at(const GeodesicSurface& surface, const GeodesicPoint& point, const TruthLayer& layer) {
+  GeodesicField field(surface.mesh());
+  return GeodesicExactEngine(surface).convolve(field, {point, 0}, std::span(&layer, 1)).front();
+}
+
+// Mass of a Gaussian on a cone of total angle T < 2 pi at distance a from the apex:
+// int_{-T/2}^{T/2} f(phi) dphi, f as below (what lies within the cut locus opposite the source).
+double cone_mass(double total, double a, double s) {
+  const auto f = [&](double phi) {
+    const double c = a * std::cos(phi) / s;
+    return (std::exp(-0.5 * a * a / (s * s)) + c * std::sqrt(0.5 * kPi) *
+                                                   std::exp(-0.5 * std::pow(a * std::sin(phi) / s, 2)) *
+                                                   (1.0 + std::erf(c / std::sqrt(2.0)))) /
+           (2.0 * kPi);
+  };
+  // Simpson with 2000 parts: the fourth derivative is of the order of (a/s)^4, so 1e-13 of the value.
+  const int n = 2000;
+  const double h = total / n;
+  double sum = 0.0;
+  for (int i = 0; i <= n; ++i)
+    sum += (i == 0 || i == n ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * f(-0.5 * total + i * h);
+  return sum * h / 3.0;
+}
+
+double saddle_mass(double total, double a, double s) {
+  return 1.0 + (total - 2.0 * kPi) / (2.0 * kPi) *
+                   (std::exp(-0.5 * a * a / (s * s)) -
+                    a / s * std::sqrt(0.5 * kPi) * std::erfc(a / (s * std::sqrt(2.0))));
+}
+
+// A source at distance a from the fan's apex, in the middle of its first triangle's angle or off it.
+GeodesicPoint fan_point(const Soup& soup, double a, double share) {
+  const double leg = soup.positions_mm[1].norm();
+  // On the ray that divides the opposite edge in `share`: |(1-share) p1 + share p2| of the way.
+  const Vec3d at_rim = (1.0 - share) * soup.positions_mm[1] + share * soup.positions_mm[2];
+  const double t = a / at_rim.norm();
+  EXPECT_LT(t, 1.0) << leg;
+  return {0, {1.0 - t, t * (1.0 - share), t * share}};
+}
+
+// Rounding of some hundred pieces: 1e-13. Behind a convex apex at distance a the cut locus' owners change
+// within an angle of a/s; from about 1e-8 on, the quadrature no longer sees that layer, whose mass is at most
+// a/(2s).
+double allowed(double a, double s) { return 1e-13 + (a > 0.0 && a < 1e-7 ? 2.0 * a / s : 0.0); }
+
+TEST(GeodesicExact, MassOnACone) {
+  // The cube's corner at a/s = 0.8: 0.918316175058 (tabulated); sources down to the apex.
+  EXPECT_NEAR(cone_mass(1.5 * kPi, 0.8, 1.0), 0.918316175058, 1e-12);
+  for (const double total : {1.5 * kPi, 1.9 * kPi, 0.7 * kPi}) {
+    const Soup soup = fan(total, 6, 30.0);
+    const GeodesicSurface surface = lit(soup, 3);
+    for (const double a : {3.0, 0.8, 0.05, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 0.0}) {
+      for (const double share : {0.5, 0.13, 0.0}) {
+        EXPECT_NEAR(exact_at(surface, fan_point(soup, a, share), {1.0})[3], cone_mass(total, a, 1.0),
+                    1e-12 + allowed(a, 1.0))
+            << "total " << total << " a " << a << " share " << share;
+      }
+    }
+  }
+}
+
+TEST(GeodesicExact, MassOnASaddle) {
+  EXPECT_NEAR(saddle_mass(2.5 * kPi, 0.8, 1.0), 1.075328712824, 1e-12);
+  for (const double total : {2.5 * kPi, 2.05 * kPi, 3.2 * kPi}) {
+    const Soup soup = fan(total, 12, 30.0);
+    const GeodesicSurface surface = lit(soup, 3);
+    for (const double a : {3.0, 0.8, 0.05, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 0.0}) {
+      for (const double share : {0.5, 0.13, 0.0}) {
+        EXPECT_NEAR(exact_at(surface, fan_point(soup, a, share), {1.0})[3], saddle_mass(total, a, 1.0),
+                    1e-13 + allowed(0.0, 1.0))
+            << "total " << total << " a " << a << " share " << share;
+      }
+    }
+  }
+}
+
+// On a plane geodesic is Euclidean, irradiance, boundary and cut-off included.
+TEST(GeodesicExact, EqualsEuclideanOnAPlane) {
+  std::mt19937_64 generator(11);
+  Mesh plane = make_builtin("plane", {{"size_mm", 20.0}, {"edge_mm", 1.5}});
+  // Move the inner vertices, so that no three are aligned; a convex plane, as Euclidean paths need.
+  for (Vec3d& p : plane.positions_mm) {
+    if (std::max(std::abs(p.x()), std::abs(p.y())) < 9.9)
+      p += 0.5 * Vec3d(uniform(generator) - 0.5, uniform(generator) - 0.5, 0.0);
+  }
+  const GeodesicSurface surface = lit({plane.positions_mm, plane.triangles}, 5);
+  Surface soup;
+  std::mt19937_64 same(5);
+  std::vector<Vec3d> value(plane.positions_mm.size());
+  for (Vec3d& v : value) v = Vec3d(uniform(same), uniform(same), uniform(same));
+  for (const auto& t : plane.triangles) {
+    SurfaceTriangle triangle;
+    for (std::size_t c = 0; c < 3; ++c) {
+      triangle.corners_mm[c] = plane.positions_mm[static_cast<std::size_t>(t[c])];
+      triangle.irradiance[c] = value[static_cast<std::size_t>(t[c])];
+    }
+    soup.triangles.push_back(triangle);
+  }
+  const ExactEngine euclidean(soup);
+  for (int i = 0; i < 12; ++i) {
+    GeodesicPoint point;
+    point.face = generator() % plane.triangles.size();
+    Vec3d b(uniform(generator), uniform(generator), uniform(generator));
+    if (i % 3 == 1) b[i % 2] = 0.0;
+    if (i % 4 == 3) b = Vec3d::UnitY();
+    point.barycentric = b / b.sum();
+    Vec3d at = Vec3d::Zero();
+    for (std::size_t c = 0; c < 3; ++c)
+      at += point.barycentric[static_cast<Eigen::Index>(c)] * soup.triangles[point.face].corners_mm[c];
+    for (const TruthLayer& layer : {TruthLayer{0.3}, TruthLayer{1.2}, TruthLayer{1.2, 2.0}}) {
+      const Vec4d difference = exact_at(surface, point, layer) - euclidean.convolve({at, 0}, layer);
+      EXPECT_LE(difference.cwiseAbs().maxCoeff(), 1e-11) << "s " << layer.std_dev_mm << " point " << i;
+    }
+  }
+}
+
+// A prism over a regular polygon unrolls into a strip; irradiance that is constant leaves the Gaussian's mass
+// on a strip that wraps: erf of half the girth.
+TEST(GeodesicExact, MassOnAPrismThatWraps) {
+  const int sides = 8;
+  const double side = 1.0;
+  const double radius = side / (2.0 * std::sin(kPi / sides));
+  const int rings = 25;
+  Soup soup;
+  for (int r = 0; r < rings; ++r) {
+    for (int i = 0; i < sides; ++i) {
+      const double phi = 2.0 * kPi * i / sides;
+      soup.positions_mm.emplace_back(radius * std::cos(phi), radius * std::sin(phi), 1.5 * (r - rings / 2));
+    }
+  }
+  for (int r = 0; r + 1 < rings; ++r) {
+    for (int i = 0; i < sides; ++i) {
+      const int a = r * sides + i;
+      const int b = r * sides + (i + 1) % sides;
+      soup.triangles.push_back({a, b, b + sides});
+      soup.triangles.push_back({a, b + sides, a + sides});
+    }
+  }
+  const GeodesicSurface surface = lit(soup, 3);
+  const double s = 1.6;
+  const double half_girth = 0.5 * sides * side;
+  // Along the axis the strip ends 16 mm = 10 s away: 1e-23.
+  const double expected = std::erf(half_girth / (s * std::sqrt(2.0)));
+  for (const std::size_t face : {std::size_t{192}, std::size_t{197}}) {
+    EXPECT_NEAR(exact_at(surface, {face, {0.2, 0.3, 0.5}}, {s})[3], expected, 1e-12);
+    EXPECT_NEAR(exact_at(surface, {face, {0.0, 0.3, 0.7}}, {s})[3], expected, 1e-12);
+    EXPECT_NEAR(exact_at(surface, {face, {0.0, 1.0, 0.0}}, {s})[3], expected, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace truescatter
