@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMaxDepth = 44;
+// Standard deviations; beyond lies exp(-8.6^2 / 2) = 9e-17 of a plane's mass.
+constexpr double kReach = 8.6;
 constexpr double kTouch = 1e-12;  // of a face's size, squared
 
 double cross(const Vec2d& a, const Vec2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -205,6 +207,11 @@ Vec4d FaceIntegral::owned(const FlatPiece& piece, const TruthLayer& layer) const
   // Nothing to rounding lies beyond 40 standard deviations; infinity would have no integrals.
   const double room = std::min(layer.r_max_mm, 40.0 * layer.std_dev_mm) - window_->offset_mm;
   if (room <= 0.0) return Vec4d::Zero();
+  const Vec2d centroid = (piece.corners_mm[0] + piece.corners_mm[1] + piece.corners_mm[2]) / 3.0;
+  double radius = 0.0;
+  for (const Vec2d& corner : piece.corners_mm) radius = std::max(radius, (corner - centroid).norm());
+  if (window_->distance(centroid) - radius > std::min(layer.r_max_mm, kReach * layer.std_dev_mm))
+    return Vec4d::Zero();
   // Irradiance about the source.
   const Vec2d e1 = piece.corners_mm[1] - piece.corners_mm[0];
   const Vec2d e2 = piece.corners_mm[2] - piece.corners_mm[0];

@@ -145,6 +145,33 @@ std::array<double, kTaylorOrders> taylor_errors(std::span<const TriangleNode> no
   return errors;
 }
 
+// Means of |x - c| and |x - c| lambda_i.
+Vec4d kink_moments(std::span<const TriangleNode> nodes, const Vec3d& corner, double c) {
+  Vec4d sum = Vec4d::Zero();
+  for (const TriangleNode& node : nodes) {
+    const double value = node.weight * std::abs(corner.dot(node.barycentric) - c);
+    sum += value * Vec4d(1.0, node.barycentric[0], node.barycentric[1], node.barycentric[2]);
+  }
+  return sum;
+}
+
+double largest_kink_error(std::span<const TriangleNode> nodes, std::span<const TriangleNode> reference) {
+  double largest = 0.0;
+  constexpr int kShapes = 8;
+  constexpr int kOffsets = 24;
+  for (int i = 0; i <= kShapes; ++i) {
+    const double t = -static_cast<double>(i) / kShapes;
+    const Vec3d corner(1.0, t, -1.0 - t);
+    for (int j = 1; j < kOffsets; ++j) {
+      const double c = -1.0 + 2.0 * j / kOffsets;
+      const Vec4d e = kink_moments(nodes, corner, c) - kink_moments(reference, corner, c);
+      for (Eigen::Index k = 1; k < 4; ++k)
+        largest = std::max({largest, std::abs(e[0]), std::abs(e[k]), std::abs(e[0] - e[k])});
+    }
+  }
+  return largest;
+}
+
 struct Rules {
   std::vector<std::vector<TriangleNode>> nodes;
   std::vector<TriangleRule> rules;
@@ -153,7 +180,8 @@ struct Rules {
     constexpr std::array<int, 7> kDegrees = {2, 4, 5, 6, 8, 10, 12};
     const std::vector<TriangleNode> reference = reference_nodes();
     for (std::size_t r = 0; r < nodes.size(); ++r)
-      rules.push_back({kDegrees[r], taylor_errors(nodes[r], reference), nodes[r]});
+      rules.push_back({kDegrees[r], taylor_errors(nodes[r], reference),
+                       largest_kink_error(nodes[r], reference), nodes[r]});
   }
 };
 

@@ -26,6 +26,8 @@ struct TriangleRule {
   // barycentric coordinates x.e is sum_i c_i lambda_i with sum_i c_i = 0 and |c_i| <= 1, so the shapes are
   // one family, c = (1, t, -1-t), and extreme L are 1, lambda_i and 1 - lambda_i.
   std::array<double, kTaylorOrders> errors;
+  // The same for |x.e - c| L(x), c anything: a kink.
+  double kink_error;
   std::span<const TriangleNode> nodes;
 };
 
