@@ -12,6 +12,11 @@
 namespace truescatter {
 namespace {
 
+// What no mesh of a thing with skin comes near, and what arithmetic still bears: products of four coordinates
+// stay finite, and a texel's index stays exact.
+constexpr double kFarthestMm = 1e9;
+constexpr double kFarthestUv = 1e6;
+
 void check_options(const SourceLocation& where, const LoadOptions& options) {
   if (!std::isfinite(options.unit_mm) || options.unit_mm <= 0.0) {
     throw_input_error(where, "unit_mm is {}: it must be a finite number above 0", options.unit_mm);
@@ -47,8 +52,9 @@ void copy_positions(const Soup& soup, double unit_mm, const SourceLocation& wher
   mesh.positions_mm.reserve(soup.positions.size());
   for (std::size_t i = 0; i < soup.positions.size(); ++i) {
     mesh.positions_mm.emplace_back(unit_mm * soup.positions[i]);
-    if (!mesh.positions_mm.back().allFinite()) {
-      throw_input_error(where, "vertex {} is not finite in millimetres: unit_mm is {}", i, unit_mm);
+    if (!(mesh.positions_mm.back().cwiseAbs().maxCoeff() <= kFarthestMm)) {
+      throw_input_error(where, "vertex {} has a coordinate beyond {} mm: unit_mm is {}", i, kFarthestMm,
+                        unit_mm);
     }
   }
 }
@@ -75,6 +81,8 @@ void check_uvs(const Mesh& mesh, const SourceLocation& where) {
     for (const Vec2d& uv : (*mesh.corner_uvs)[t]) {
       if (!uv.allFinite())
         throw_input_error(where, "triangle {} has a texture coordinate that is not finite", t);
+      if (uv.cwiseAbs().maxCoeff() > kFarthestUv)
+        throw_input_error(where, "triangle {} has a texture coordinate beyond {}", t, kFarthestUv);
     }
   }
 }

@@ -28,8 +28,8 @@ struct LoadOptions {
 // harm. Faces at non-manifold edges are kept too.
 //
 // Throws Error (input) that names the file, and the line where the format is a text: no such file, unknown
-// extension, no triangle, a coordinate that is not finite, an index out of range, `unit_mm` not positive,
-// normals asked for that the file does not have.
+// extension, no triangle, a coordinate that is not finite or absurdly large, an index out of range, `unit_mm`
+// not positive, normals asked for that the file does not have.
 Mesh load_mesh(const std::filesystem::path& path, const LoadOptions& options);
 
 // The same, for callers that have data by the file's vertices or faces.

@@ -207,7 +207,7 @@ TEST_F(LoadMesh, OptionsOutOfRangeAreErrors) {
   EXPECT_EQ(error_of("a.obj", "", options), "a.obj: unit_mm is inf: it must be a finite number above 0");
   options.unit_mm = 1e308;
   EXPECT_EQ(error_of("a.obj", "v 0 0 0\nv 10 0 0\nv 0 1 0\nf 1 2 3\n", options),
-            "a.obj: vertex 1 is not finite in millimetres: unit_mm is 1e+308");
+            "a.obj: vertex 1 has a coordinate beyond 1000000000 mm: unit_mm is 1e+308");
   options = {};
   options.loop_subdivisions = 7;
   EXPECT_EQ(error_of("a.obj", "", options), "a.obj: loop_subdivisions is 7: it must be 0 to 6");
@@ -260,6 +260,14 @@ TEST_F(LoadMesh, ObjErrorsNameTheLine) {
   // Joined lines keep counting.
   EXPECT_EQ(error_of("a.obj", "v 0 \\\n0 0\nv 0 0 x\n"),
             "a.obj:3: \"x\" is not a number: a coordinate must be a finite number");
+}
+
+TEST_F(LoadMesh, AbsurdlyLargeCoordinatesAreErrors) {
+  EXPECT_EQ(error_of("a.obj", "v 0 0 0\nv 0 -1e30 0\nv 0 1 0\nf 1 2 3\n"),
+            "a.obj: vertex 1 has a coordinate beyond 1000000000 mm: unit_mm is 1");
+  // Reading a texture there would leave the range of its texels' indices.
+  EXPECT_EQ(error_of("a.obj", kTriangle + "vt 0 0\nvt 0 1e308\nf 1/1 2/2 3/1\n"),
+            "a.obj: triangle 0 has a texture coordinate beyond 1000000");
 }
 
 TEST_F(LoadMesh, TinyNumbersAreZero) {
