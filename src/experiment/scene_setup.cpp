@@ -1,5 +1,6 @@
 #include "experiment/scene_setup.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -51,37 +52,48 @@ Light light_of(const LightSpec& spec) {
   return light;
 }
 
-// The file of a texture in UV; `where` is that of its key.
-std::filesystem::path texture_path(const ExperimentSpec& spec, bool has_uvs, std::string_view key,
-                                   const std::string& path, const SourceLocation& where) {
-  if (!has_uvs)
-    throw_input_error(where, "'scene.{}' is a texture in UV, but {} has no UVs", key, spec.scene.mesh);
-  return resolve_path(spec, path, where);
+// A texture in UV that an experiment names.
+struct TextureKey {
+  std::string_view key;
+  const std::string& path;
+  const SourceLocation& where;
+};
+
+// Its image as `read` gives it, which must have `channels` channels or more; empty where none is named.
+Image load_texture(const ExperimentSpec& spec, bool has_uvs, const TextureKey& texture, int channels,
+                   Image (*read)(const std::filesystem::path&)) {
+  if (texture.path.empty()) return {};
+  if (!has_uvs) {
+    throw_input_error(texture.where, "'scene.{}' is a texture in UV, but {} has no UVs", texture.key,
+                      spec.scene.mesh);
+  }
+  const std::filesystem::path path = resolve_path(spec, texture.path, texture.where);
+  Image image = read(path);
+  if (image.channels() < channels) {
+    throw_input_error(texture.where, "'scene.{}' needs red, green and blue, but {} has {} channel{}",
+                      texture.key, path.string(), image.channels(), image.channels() == 1 ? "" : "s");
+  }
+  const auto is_finite = [](float value) { return std::isfinite(value); };
+  if (!std::all_of(image.data().begin(), image.data().end(), is_finite)) {
+    throw_input_error(texture.where, "'scene.{}' must be finite, but {} holds a value that is not",
+                      texture.key, path.string());
+  }
+  return image;
 }
 
-void require_three_channels(const Image& image, const std::filesystem::path& path, std::string_view key,
-                            const SourceLocation& where) {
-  if (image.channels() >= 3) return;
-  throw_input_error(where, "'scene.{}' needs red, green and blue, but {} has {} channel{}", key,
-                    path.string(), image.channels(), image.channels() == 1 ? "" : "s");
-}
+Image read_as_stored(const std::filesystem::path& path) { return read_image(path); }
 
 SkinMask load_mask(const ExperimentSpec& spec, bool has_uvs) {
   const SceneSpec& scene = spec.scene;
   if (scene.skin_mask.empty()) return {};
   return SkinMask(
-      read_image(texture_path(spec, has_uvs, "skin_mask", scene.skin_mask, scene.skin_mask_where)));
+      load_texture(spec, has_uvs, {"skin_mask", scene.skin_mask, scene.skin_mask_where}, 1, read_as_stored));
 }
 
-// Empty where there is none.
 Image load_normal_image(const ExperimentSpec& spec, bool has_uvs) {
   const SceneSpec& scene = spec.scene;
-  if (scene.normal_map.empty()) return {};
-  const std::filesystem::path path =
-      texture_path(spec, has_uvs, "normal_map", scene.normal_map, scene.normal_map_where);
-  Image image = read_image(path);
-  require_three_channels(image, path, "normal_map", scene.normal_map_where);
-  return image;
+  return load_texture(spec, has_uvs, {"normal_map", scene.normal_map, scene.normal_map_where}, 3,
+                      read_as_stored);
 }
 
 NormalMap load_normal_map(const ExperimentSpec& spec, const Mesh& mesh) {
@@ -95,10 +107,8 @@ NormalMap load_normal_map(const ExperimentSpec& spec, const Mesh& mesh) {
 UvTexture load_albedo(const ExperimentSpec& spec, bool has_uvs) {
   const SceneSpec& scene = spec.scene;
   if (scene.albedo.empty()) return {};
-  const std::filesystem::path path = texture_path(spec, has_uvs, "albedo", scene.albedo, scene.albedo_where);
-  Image image = read_linear_colours(path);
-  require_three_channels(image, path, "albedo", scene.albedo_where);
-  return UvTexture(std::move(image));
+  return UvTexture(load_texture(spec, has_uvs, {"albedo", scene.albedo, scene.albedo_where}, 3,
+                                [](const std::filesystem::path& path) { return read_linear_colours(path); }));
 }
 
 RefinementSettings refinement_of(const ExperimentSpec& spec) {

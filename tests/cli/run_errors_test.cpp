@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <limits>
 
 #include "cli/cli_fixture.h"
 #include "core/image_io.h"
@@ -205,6 +206,17 @@ TEST_F(CliErrors, AnAlbedoThatCannotBeUsed) {
   folder_.write("a.obj", kSquareObj);
   expect_refused(run(with(kMeshFile, "obtain", "albedo = \"a.png\"\nobtain")),
                  {"truescatter: e.toml:5:10: ", "'scene.albedo' is a texture in UV, but a.obj has no UVs"});
+}
+
+TEST_F(CliErrorsBeforeComputing, ATextureThatIsNotFinite) {
+  Image image(4, 4, 3, 0.5F);
+  image.at(1, 2, 0) = std::numeric_limits<float>::quiet_NaN();
+  write_exr(folder_.path() / "t.exr", {{"", &image}});
+  for (const std::string key : {"skin_mask", "normal_map", "albedo"}) {
+    expect_refused(
+        run(with(kTiny, "[scene.parameters]", key + " = \"t.exr\"\n[scene.parameters]")),
+        {"truescatter: e.toml:5:", "'scene." + key + "' must be finite, but ", "t.exr holds a value"});
+  }
 }
 
 TEST_F(CliErrors, AMaskThatLeavesNoSkin) {
