@@ -10,9 +10,9 @@ namespace truescatter {
 namespace {
 
 constexpr double kSmallMass = 0.5;
-// The closed form reaches this many standard deviations: beyond lies 1.5e-8 of a plane's mass, a hundredth of
-// the smallest tolerance that the experiments use, at half the cost of going to rounding.
-constexpr double kAuditReach = 6.0;
+// How many standard deviations the closed form reaches: beyond lies at most a hundredth of the tolerance of a
+// plane's mass, and never more than the 1.5e-8 of 6, at half the cost of going to rounding.
+double audit_reach(double tolerance) { return std::max(6.0, std::sqrt(-2.0 * std::log(0.01 * tolerance))); }
 
 double difference(const Vec4d& fast, const Vec4d& exact, double largest_irradiance) {
   double worst = (fast - exact).head<3>().cwiseAbs().maxCoeff() / largest_irradiance;
@@ -31,7 +31,7 @@ Certificate audit(const Surface& surface, std::span<const SurfacePoint> points,
                   double tail_bound, std::span<const std::uint32_t> audited, std::size_t random_count) {
   std::vector<SurfacePoint> chosen;
   for (const std::uint32_t i : audited) chosen.push_back(points[i]);
-  const TruthValues exact = ExactEngine(surface, kAuditReach).convolve(chosen, layers);
+  const TruthValues exact = ExactEngine(surface, audit_reach(tolerance)).convolve(chosen, layers);
 
   Certificate certificate;
   certificate.audited = audited.size();
