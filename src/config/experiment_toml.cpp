@@ -134,6 +134,9 @@ ProfileSpec read_profile(TomlTable table) {
     profile.gaussians.push_back(gaussian);
   }
   if (profile.gaussians.empty()) table.fail("gaussian", "a profile needs at least one [[profile.gaussian]]");
+  const auto has_weight = [](const ProfileSpec::Gaussian& g) { return !g.weight.isZero(0.0); };
+  if (std::none_of(profile.gaussians.begin(), profile.gaussians.end(), has_weight))
+    table.fail("gaussian", "a profile needs a [[profile.gaussian]] whose 'weight' is not 0");
   std::stable_sort(profile.gaussians.begin(), profile.gaussians.end(),
                    [](const auto& a, const auto& b) { return a.variance_mm2.x() < b.variance_mm2.x(); });
   double widest_mm2 = 0.0;

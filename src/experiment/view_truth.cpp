@@ -175,6 +175,7 @@ TruthImage ViewTruth::image(const Request& request) const {
   std::vector<double> mass(points_.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < points_.size(); ++i)
     sum[i] = request.profile->delta_weight.cwiseProduct(irradiance_[i]);
+  Vec3d weights = Vec3d::Zero();
   for (const GaussianLevel& level : gaussian_levels(*request.profile)) {
     const LayerResult& result = result_of(layer_of(level.variance_mm2, request.target));
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -183,15 +184,17 @@ TruthImage ViewTruth::image(const Request& request) const {
       if (divisor > 0.0) sum[i] += level.weight.cwiseProduct(value.head<3>()) / divisor;
       mass[i] = std::min(mass[i], value[3]);
     }
+    weights += level.weight.cwiseAbs();
     truth.seconds += result.seconds;
     Certificate& total = truth.certificate;
     total.audited = result.certificate.audited;
     total.tolerance = result.certificate.tolerance;
     total.tail_bound = result.certificate.tail_bound;
     total.open_share = result.certificate.open_share;
-    // The weights of a channel sum to at most 1, so the largest error of a layer bounds the sum's.
     total.max_error = std::max(total.max_error, result.certificate.max_error);
   }
+  // The largest error of a layer, times this, bounds the sum's.
+  truth.certificate.weight = std::max(1.0, weights.maxCoeff());
   for (std::size_t i = 0; i < points_.size(); ++i) {
     truth.rgb.set_rgb(pixels_[i].x, pixels_[i].y, sum[i]);
     truth.smallest_mass.at(pixels_[i].x, pixels_[i].y, 0) = static_cast<float>(mass[i]);

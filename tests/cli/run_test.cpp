@@ -78,6 +78,20 @@ TEST_F(CliRun, AnAlbedoShowsInPicturesOnly) {
   }
 }
 
+// A profile that multiplies light multiplies the error of its Gaussians too.
+TEST_F(CliRun, WeightsAboveOneMultiplyTheUncertainty) {
+  const ProgramResult result =
+      run(with(kTiny, "\"spike-and-base\"",
+               "\"bright\"\n[[profile.gaussian]]\nvariance_mm2 = 1\nweight = [-3, 2, 1]"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json truth = json("out/results.json").at("truths").at(0);
+  const Json& certificate = truth.at("certificate");
+  const double of_a_layer =
+      certificate.at("max_error").get<double>() + certificate.at("tail_bound").get<double>();
+  EXPECT_GT(of_a_layer, 0.0);
+  EXPECT_DOUBLE_EQ(truth.at("uncertainty").get<double>(), 3.0 * of_a_layer);
+}
+
 // DESIGN section 4.
 TEST_F(CliRun, WritesEveryFileWithTheDocumentedKeys) {
   const ProgramResult result = run(kTiny);

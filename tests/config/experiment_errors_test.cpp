@@ -164,6 +164,8 @@ const Broken kBroken[] = {
     {"NoEye", kEye, "", ":9:1", "'view.eye_mm' is missing"},
     {"NoProfile", "[[profile]]\nname = \"spike-and-base\"", "", ":1:1", "'profile' is missing"},
     {"NoMethod", "[[method]]\nname = \"none\"", "", ":1:1", "'method' is missing"},
+    {"ZeroWeights", kProfile, "name = \"x\"\n[[profile.gaussian]]\nvariance_mm2 = 1\nweight = 0", ":15:1",
+     "a profile needs a [[profile.gaussian]] whose 'weight' is not 0"},
     {"NoVariance", kProfile, "name = \"x\"\n[[profile.gaussian]]\nweight = 1", ":15:1",
      "'profile.gaussian.variance_mm2' is missing"},
     {"NoWeight", kProfile, "name = \"x\"\n[[profile.gaussian]]\nvariance_mm2 = 1", ":15:1",
