@@ -110,9 +110,10 @@ Image read_image(const std::filesystem::path& path, std::vector<std::string>* ch
   return image;
 }
 
-Image read_linear_colours(const std::filesystem::path& path) {
+Image read_linear_colours(const std::filesystem::path& path, std::vector<std::string>* channel_names) {
   OIIO::ImageSpec spec;
   Image image = read_with_spec(path, spec);
+  if (channel_names != nullptr) *channel_names = spec.channelnames;
   if (spec.format.is_floating_point()) return image;
   const int colours = std::min(3, image.channels());
   for (int y = 0; y < image.height(); ++y) {
@@ -128,7 +129,7 @@ Image read_linear_colours(const std::filesystem::path& path) {
 
 Image read_exr_layer(const std::filesystem::path& path, const std::string& layer) {
   std::vector<std::string> names;
-  const Image all = read_image(path, &names);
+  const Image all = read_linear_colours(path, &names);
   std::vector<int> chosen;
   for (std::size_t c = 0; c < names.size(); ++c) {
     const bool inside =

@@ -31,10 +31,11 @@ Image read_image(const std::filesystem::path& path, std::vector<std::string>* ch
 
 // Reads a picture for its colours, as linear values: whole numbers are taken as sRGB-encoded and decoded, all
 // but a fourth channel; floating-point values are linear already. Throws as read_image does.
-Image read_linear_colours(const std::filesystem::path& path);
+Image read_linear_colours(const std::filesystem::path& path,
+                          std::vector<std::string>* channel_names = nullptr);
 
 // Reads one layer of an EXR: the channels whose name starts with "<layer>.", or where it is empty the
-// bare suffixes, which have one letter.
+// bare suffixes, which have one letter. Of another format, its colours as read_linear_colours reads them.
 Image read_exr_layer(const std::filesystem::path& path, const std::string& layer);
 
 }  // namespace truescatter

@@ -49,6 +49,17 @@ TEST_F(CliCompare, AConstantOffsetIsEveryMetric) {
             -0.25);
 }
 
+// Whole numbers are sRGB-encoded: the code 188 of 255 is 0.502886 of linear light ((188/255 + 0.055) / 1.055
+// to the power of 2.4). Taken as it is, it would be 0.737.
+TEST_F(CliCompare, APngIsDecodedToLinearLight) {
+  write_png(folder_.path() / "test.png", Image(16, 8, 3, 188.0F / 255.0F));
+  const Image linear(16, 8, 3, 0.502886F);
+  write_test(linear);
+  const ProgramResult result = truescatter({"compare", "test.png", "test.exr", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LT(nlohmann::json::parse(result.out).at("max").get<double>(), 1e-6);
+}
+
 TEST_F(CliCompare, PrintsATable) {
   const ProgramResult result = truescatter({"compare", "truth.exr", "truth.exr"});
   EXPECT_EQ(result.exit_code, 0);
