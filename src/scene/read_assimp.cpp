@@ -3,8 +3,12 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <array>
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
 #include <string>
 
 #include "core/error.h"
@@ -97,10 +101,26 @@ class SceneReader {
   Soup soup_;
 };
 
+// A binary glTF states its own length: assimp takes a shorter one for no glTF at all.
+void check_glb_length(const std::filesystem::path& path, const SourceLocation& where) {
+  std::array<unsigned char, 12> header{};  // "glTF", version, length; little endian
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(reinterpret_cast<char*>(header.data()), header.size())) return;
+  if (std::memcmp(header.data(), "glTF", 4) != 0) return;
+  std::uint64_t stated = 0;
+  for (std::size_t i = 0; i < 4; ++i) stated |= std::uint64_t{header[8 + i]} << (8 * i);
+  const std::uint64_t actual = std::filesystem::file_size(path);
+  if (actual < stated) {
+    throw_input_error(where, "the file is damaged or cut off: it has {} bytes, and its header says {}",
+                      actual, stated);
+  }
+}
+
 }  // namespace
 
 Soup read_assimp(const std::filesystem::path& path) {
   const SourceLocation where{path.string(), 0, 0};
+  check_glb_length(path, where);
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
   if (scene == nullptr) throw_input_error(where, "{}", importer.GetErrorString());

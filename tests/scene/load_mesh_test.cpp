@@ -474,6 +474,8 @@ TEST_F(LoadMesh, GltfErrors) {
   for (const char* name : {"a.gltf", "a.glb", "a.fbx"}) {
     EXPECT_EQ(error_of(name, "not a model").rfind(std::string(name) + ": ", 0), 0U);
   }
+  EXPECT_EQ(error_of("a.glb", std::string("glTF\2\0\0\0\x20\1\0\0cut off", 19)),
+            "a.glb: the file is damaged or cut off: it has 19 bytes, and its header says 288");
 }
 
 // The folder with the scanned head, if there is one.
