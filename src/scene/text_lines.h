@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/parse_number.h"
 
 namespace truescatter {
 
@@ -33,11 +34,5 @@ class TextLines {
   int line_ = 0;
   int lines_taken_ = 0;
 };
-
-// A finite number. `what` names it in the message.
-double parse_finite(std::string_view word, const SourceLocation& where, std::string_view what);
-
-// A whole number that fits into an int.
-int parse_integer(std::string_view word, const SourceLocation& where, std::string_view what);
 
 }  // namespace truescatter
