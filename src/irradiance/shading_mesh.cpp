@@ -5,7 +5,6 @@
 #include <numeric>
 #include <random>
 #include <span>
-#include <unordered_map>
 
 #include "core/parallel.h"
 #include "irradiance/refine.h"
@@ -17,14 +16,6 @@ void label_skin(ShadingMesh& shading, const SkinMask& mask) {
   for (ShadingTriangle& triangle : shading.triangles) {
     triangle.skin = mask.is_skin((triangle.uvs[0] + triangle.uvs[1] + triangle.uvs[2]) / 3.0);
   }
-}
-
-std::size_t find_root(std::vector<std::size_t>& parent, std::size_t i) {
-  while (parent[i] != i) {
-    parent[i] = parent[parent[i]];
-    i = parent[i];
-  }
-  return i;
 }
 
 // Replaces the smooth lighting of every corner by that of the mapped normals. The corners around a vertex
@@ -55,31 +46,14 @@ void apply_normal_map(ShadingMesh& shading, const Lighting& lighting) {
   });
 }
 
-// Skin triangles that share an edge are of one component; components are numbered in the order of their
-// first triangle.
 void label_components(ShadingMesh& shading) {
-  std::vector<std::size_t> parent(shading.triangles.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  std::unordered_map<std::uint64_t, std::size_t> first_with_edge;
-  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
-    const ShadingTriangle& triangle = shading.triangles[t];
-    if (!triangle.skin) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::uint64_t key = edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]);
-      const auto [entry, fresh] = first_with_edge.try_emplace(key, t);
-      if (!fresh) {
-        const std::size_t root = find_root(parent, entry->second);
-        parent[find_root(parent, t)] = root;
-      }
-    }
+  const std::vector<int> components = truescatter::label_components(
+      shading.triangles.size(), [&](std::size_t t) { return shading.triangles[t].vertices; },
+      [&](std::size_t t) { return shading.triangles[t].skin; });
+  for (std::size_t t = 0; t < components.size(); ++t) {
+    shading.triangles[t].component = components[t];
+    shading.component_count = std::max(shading.component_count, components[t] + 1);
   }
-  std::unordered_map<std::size_t, int> number;
-  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
-    if (!shading.triangles[t].skin) continue;
-    const std::size_t root = find_root(parent, t);
-    shading.triangles[t].component = number.try_emplace(root, static_cast<int>(number.size())).first->second;
-  }
-  shading.component_count = static_cast<int>(number.size());
 }
 
 }  // namespace

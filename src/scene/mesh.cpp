@@ -27,19 +27,17 @@ double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& 
   return (p - (a + t * ab)).squaredNorm();
 }
 
-// Sets of corners that share a normal.
-class CornerSets {
+// Sets of items that were joined: of corners that share a normal, of triangles that are connected.
+class JoinedSets {
  public:
-  explicit CornerSets(std::size_t corners) : parent_(corners) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-  }
+  explicit JoinedSets(std::size_t items) : parent_(items) { std::iota(parent_.begin(), parent_.end(), 0U); }
 
-  std::size_t root(std::size_t corner) {
-    while (parent_[corner] != corner) {
-      parent_[corner] = parent_[parent_[corner]];
-      corner = parent_[corner];
+  std::size_t root(std::size_t item) {
+    while (parent_[item] != item) {
+      parent_[item] = parent_[parent_[item]];
+      item = parent_[item];
     }
-    return corner;
+    return item;
   }
 
   void join(std::size_t a, std::size_t b) {
@@ -82,7 +80,7 @@ std::vector<EdgeSide> sorted_edge_sides(const Mesh& mesh) {
 }
 
 void join_across_soft_edges(const Mesh& mesh, const std::vector<Vec3d>& face_normals, double crease_angle_deg,
-                            CornerSets& sets) {
+                            JoinedSets& sets) {
   const double crease_angle = crease_angle_deg * kPi / 180.0;
   const std::vector<EdgeSide> sides = sorted_edge_sides(mesh);
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -98,7 +96,7 @@ void join_across_soft_edges(const Mesh& mesh, const std::vector<Vec3d>& face_nor
   }
 }
 
-void join_at_vertices(const Mesh& mesh, CornerSets& sets) {
+void join_at_vertices(const Mesh& mesh, JoinedSets& sets) {
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::vector<std::size_t> first(mesh.positions_mm.size(), kNone);
   for (std::size_t corner = 0; corner < 3 * mesh.triangles.size(); ++corner) {
@@ -184,6 +182,30 @@ std::uint64_t edge_key(int a, int b) {
   return (high << 32U) | low;
 }
 
+std::vector<int> label_components(std::size_t triangles,
+                                  const std::function<std::array<int, 3>(std::size_t triangle)>& vertices_of,
+                                  const std::function<bool(std::size_t triangle)>& included) {
+  JoinedSets sets(triangles);
+  std::unordered_map<std::uint64_t, std::size_t> first_with_edge;
+  for (std::size_t t = 0; t < triangles; ++t) {
+    if (!included(t)) continue;
+    const std::array<int, 3> vertices = vertices_of(t);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto [entry, fresh] =
+          first_with_edge.try_emplace(edge_key(vertices[c], vertices[(c + 1) % 3]), t);
+      if (!fresh) sets.join(entry->second, t);
+    }
+  }
+  std::vector<int> component(triangles, -1);
+  int count = 0;
+  for (std::size_t t = 0; t < triangles; ++t) {
+    if (!included(t)) continue;
+    const std::size_t root = sets.root(t);  // the set's first triangle
+    component[t] = root == t ? count++ : component[root];
+  }
+  return component;
+}
+
 double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d normal = (b - a).cross(c - a);
   const double length2 = normal.squaredNorm();
@@ -203,7 +225,7 @@ void set_angle_weighted_normals(Mesh& mesh, double crease_angle_deg) {
   std::vector<Vec3d> face_normals(triangles);
   for (std::size_t t = 0; t < triangles; ++t) face_normals[t] = triangle_normal(mesh, t);
 
-  CornerSets sets(3 * triangles);
+  JoinedSets sets(3 * triangles);
   if (crease_angle_deg >= 180.0) {
     join_at_vertices(mesh, sets);
   } else {

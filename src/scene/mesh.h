@@ -55,6 +55,12 @@ double corner_angle_rad(const Mesh& mesh, std::size_t triangle, int c);
 // The key of the edge between two vertices (indices, not negative), whichever way it runs.
 std::uint64_t edge_key(int a, int b);
 
+// The connected component of each triangle: those that share an edge are of one; numbered from 0 in the order
+// of their first triangle. -1 where `included` is false, through which nothing connects.
+std::vector<int> label_components(std::size_t triangles,
+                                  const std::function<std::array<int, 3>(std::size_t triangle)>& vertices_of,
+                                  const std::function<bool(std::size_t triangle)>& included);
+
 // The exact squared distance of a point from a triangle: from its plane where the foot of the perpendicular
 // lies inside, else from the nearest edge.
 double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c);
