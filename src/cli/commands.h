@@ -18,6 +18,23 @@ struct RunArguments {
 };
 int run(const RunArguments& arguments);
 
+// The truth alone, at given points. Numbers are texts here, as the user gave them.
+struct TruthArguments {
+  std::filesystem::path mesh;
+  std::filesystem::path irradiance;
+  std::filesystem::path points;
+  std::filesystem::path mask;  // empty: every triangle
+  std::filesystem::path out;
+  std::string sigma;  // comma-separated
+  std::string metric;
+  std::string engine;     // empty: fast, or exact where that is set
+  std::string r_max;      // empty: not cut
+  std::string tolerance;  // empty: the engine's default
+  bool exact = false;
+  int jobs = 0;  // 0: all cores
+};
+int truth(const TruthArguments& arguments);
+
 // Two pictures, or two result folders (old, new).
 struct CompareArguments {
   std::filesystem::path test;

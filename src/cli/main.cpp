@@ -13,6 +13,7 @@ namespace {
 
 using truescatter::cli::CompareArguments;
 using truescatter::cli::RunArguments;
+using truescatter::cli::TruthArguments;
 
 constexpr int kUsageError = 2;
 constexpr int kRunFailed = 3;
@@ -47,6 +48,27 @@ int dispatch(int argc, char** argv) {
       ->check(CLI::Range(1, 4096));
   run->add_flag("--dry-run", run_arguments.dry_run, "Check the experiment and list what would run");
 
+  TruthArguments truth_arguments;
+  CLI::App* truth = app.add_subcommand("truth", "Compute the truth alone, at given points of a mesh");
+  truth->add_option("--mesh", truth_arguments.mesh, "Mesh of triangles, in mm")->required();
+  truth->add_option("--irradiance", truth_arguments.irradiance, "CSV r,g,b: a row per vertex of the file")
+      ->required();
+  truth->add_option("--points", truth_arguments.points, "CSV face,b0,b1,b2: faces count from 0")->required();
+  truth->add_option("--sigma", truth_arguments.sigma, "Standard deviations in mm: 0.5,1,2")->required();
+  truth->add_option("--metric", truth_arguments.metric, "euclidean or geodesic (default: euclidean)");
+  truth->add_option("--r-max", truth_arguments.r_max, "Cut the kernel off at this distance in mm");
+  truth->add_option("--engine", truth_arguments.engine,
+                    "fast, exact (closed form), brute (plain quadrature) or cgal (default: fast)");
+  truth->add_flag("--exact", truth_arguments.exact, "Short for --engine exact");
+  truth->add_option(
+      "--tolerance", truth_arguments.tolerance,
+      "Largest error, in units of the largest irradiance (default: fast 1e-4, brute 1e-10; exact "
+      "goes to rounding)");
+  truth->add_option("--mask", truth_arguments.mask, "CSV of one 0 or 1 (skin) per triangle");
+  truth->add_option("--jobs", truth_arguments.jobs, "Threads (default: all cores)")
+      ->check(CLI::Range(1, 4096));
+  truth->add_option("--out", truth_arguments.out, "CSV point,sigma,r,g,b,mass to write")->required();
+
   CompareArguments compare_arguments;
   CLI::App* compare = app.add_subcommand(
       "compare", "Measure one picture against another, or say what changed between two results");
@@ -73,6 +95,7 @@ int dispatch(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : kUsageError;
   }
   if (run->parsed()) return truescatter::cli::run(run_arguments);
+  if (truth->parsed()) return truescatter::cli::truth(truth_arguments);
   if (compare->parsed()) return truescatter::cli::compare(compare_arguments);
   if (report->parsed()) return truescatter::cli::report(folder);
   if (list->parsed()) return truescatter::cli::list();

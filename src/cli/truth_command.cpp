@@ -1,0 +1,148 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "commands.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/parallel.h"
+#include "core/parse_number.h"
+#include "core/progress.h"
+#include "experiment/truth_files.h"
+#include "truth/brute.h"
+#include "truth/exact.h"
+#include "truth/fast.h"
+
+namespace truescatter::cli {
+namespace {
+
+enum class Engine { fast, exact, brute };
+
+struct TruthRequest {
+  Engine engine = Engine::fast;
+  double tolerance = 0.0;
+  std::vector<TruthLayer> layers;
+};
+
+SourceLocation option(const std::string& name) { return {"--" + name, 0, 0}; }
+
+double positive(std::string_view text, const std::string& name, std::string_view what) {
+  const double value = parse_finite(text, option(name), what);
+  if (value <= 0.0) throw_input_error(option(name), "\"{}\": {} must be above 0", text, what);
+  return value;
+}
+
+std::vector<TruthLayer> layers_of(const TruthArguments& arguments) {
+  TruthLayer layer;
+  if (!arguments.r_max.empty()) layer.r_max_mm = positive(arguments.r_max, "r-max", "a cut-off in mm");
+  std::vector<TruthLayer> layers;
+  std::string_view rest = arguments.sigma;
+  while (true) {
+    const std::size_t comma = rest.find(',');
+    std::string_view word = rest.substr(0, comma);
+    while (word.starts_with(' ')) word.remove_prefix(1);
+    while (word.ends_with(' ')) word.remove_suffix(1);
+    layer.std_dev_mm = positive(word, "sigma", "a standard deviation in mm");
+    layers.push_back(layer);
+    if (comma == std::string_view::npos) return layers;
+    rest.remove_prefix(comma + 1);
+  }
+}
+
+std::string one_of(const std::string& value, const std::string& name, const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), value) == known.end()) {
+    throw_input_error(option(name), "\"{}\" is not known; there are: {}", value, fmt::join(known, ", "));
+  }
+  return value;
+}
+
+Engine engine_of(const TruthArguments& arguments) {
+  const std::string given =
+      arguments.engine.empty() ? (arguments.exact ? "exact" : "fast") : arguments.engine;
+  const std::string name = one_of(given, "engine", {"fast", "exact", "brute", "cgal"});
+  if (arguments.exact && name != "exact") {
+    throw_input_error(
+        {}, "--exact and --engine {} contradict each other: --exact is short for --engine exact", name);
+  }
+  const std::string metric = arguments.metric.empty() ? "euclidean" : arguments.metric;
+  if (one_of(metric, "metric", {"euclidean", "geodesic"}) == "geodesic")
+    throw_input_error(option("metric"), "geodesic truths are not in this version");
+  if (name == "cgal") {
+    throw_input_error(option("engine"), "cgal computes geodesic distances: it needs --metric geodesic");
+  }
+  if (name == "exact") return Engine::exact;
+  return name == "brute" ? Engine::brute : Engine::fast;
+}
+
+double tolerance_of(const TruthArguments& arguments, Engine engine) {
+  if (arguments.tolerance.empty()) return engine == Engine::brute ? 1e-10 : 1e-4;
+  const double tolerance = positive(arguments.tolerance, "tolerance", "a tolerance");
+  // What each engine can promise in double precision.
+  const double smallest = engine == Engine::fast ? 1e-9 : (engine == Engine::brute ? 1e-13 : 0.0);
+  if (tolerance < smallest || tolerance > 0.1) {
+    throw_input_error(option("tolerance"), "{} is out of range: with this engine it is {} to 0.1", tolerance,
+                      smallest);
+  }
+  return tolerance;
+}
+
+// Found out before the computing, not after it.
+void check_out(const std::filesystem::path& out) {
+  const std::filesystem::path folder = out.has_parent_path() ? out.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder))
+    throw_input_error({out.string()}, "cannot be written: there is no folder {}", folder.string());
+  if (out.filename().empty() || std::filesystem::is_directory(out))
+    throw_input_error({out.string()}, "is a folder; the name of a file is needed");
+}
+
+// The engine's single-point function at every point, in parallel.
+template <typename OneEngine>
+TruthValues convolve_each(const OneEngine& engine, std::span<const SurfacePoint> points,
+                          std::span<const TruthLayer> layers, Progress& progress) {
+  TruthValues values(layers.size(), std::vector<Vec4d>(points.size()));
+  parallel_for(points.size(), [&](std::size_t i) {
+    for (std::size_t l = 0; l < layers.size(); ++l) values[l][i] = engine.convolve(points[i], layers[l]);
+    progress.advance(layers.size());
+  });
+  return values;
+}
+
+TruthValues compute(const TruthProblem& problem, const TruthRequest& request) {
+  const std::span<const SurfacePoint> points = problem.points;
+  const std::span<const TruthLayer> layers = request.layers;
+  Progress progress(fmt::format("truth of {} points, {} Gaussians", points.size(), layers.size()),
+                    points.size() * layers.size());
+  switch (request.engine) {
+    case Engine::fast:
+      return FastEngine(problem.surface, request.tolerance).convolve(points, layers, [&](std::size_t steps) {
+        progress.advance(steps);
+      });
+    case Engine::exact:
+      return convolve_each(ExactEngine(problem.surface), points, layers, progress);
+    case Engine::brute:
+      return convolve_each(BruteEngine(problem.surface, request.tolerance), points, layers, progress);
+  }
+  std::abort();
+}
+
+}  // namespace
+
+int truth(const TruthArguments& arguments) {
+  const JobLimit limit(arguments.jobs);
+  TruthRequest request;
+  request.engine = engine_of(arguments);
+  request.tolerance = tolerance_of(arguments, request.engine);
+  request.layers = layers_of(arguments);
+  check_out(arguments.out);
+  const TruthProblem problem =
+      read_truth_problem({arguments.mesh, arguments.irradiance, arguments.points, arguments.mask});
+  write_text_file(arguments.out, truth_csv(request.layers, compute(problem, request)));
+  fmt::print("{}\n", arguments.out.string());
+  return 0;
+}
+
+}  // namespace truescatter::cli
