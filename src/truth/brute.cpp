@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -111,6 +112,12 @@ class TriangleIntegral {
     const Vec3d of_c = normal_.cross(triangle_.b - triangle_.a) / (2.0 * area.norm());
     gradient_ = (triangle.irradiance[1] - triangle.irradiance[0]) * of_b.transpose() +
                 (triangle.irradiance[2] - triangle.irradiance[0]) * of_c.transpose();
+    // Irradiance is read at rounded positions: on a needle that can be seen.
+    double size = point_.cwiseAbs().maxCoeff();
+    for (const Vec3d& x : triangle.corners_mm) size = std::max(size, x.cwiseAbs().maxCoeff());
+    const double peak = 1.0 / (2.0 * kPi * layer.std_dev_mm * layer.std_dev_mm);
+    rounding_per_mm2_ =
+        8.0 * std::numeric_limits<double>::epsilon() * peak * size * gradient_.cwiseAbs().maxCoeff();
   }
 
   Vec4d value() {
@@ -208,11 +215,11 @@ class TriangleIntegral {
   // The integral over a part, if two rules agree on it.
   template <typename Part>
   std::optional<Vec4d> agreed(const Part& part, double area) const {
-    const double allowed = tolerance_per_mm2_ * area;
+    const Vec4d allowed = area * (tolerance_per_mm2_ * unit_ + rounding_per_mm2_ * Vec4d(1.0, 1.0, 1.0, 0.0));
     Vec4d coarse = integral(part, line_rules()[0]);
     for (std::size_t k = 1; k < line_rules().size(); ++k) {
       const Vec4d fine = integral(part, line_rules()[k]);
-      if (((fine - coarse).cwiseAbs().array() <= allowed * unit_.array()).all()) return fine;
+      if (((fine - coarse).cwiseAbs().array() <= allowed.array()).all()) return fine;
       coarse = fine;
     }
     return std::nullopt;
@@ -274,6 +281,7 @@ class TriangleIntegral {
   TruthLayer layer_;
   double reach_mm_;
   double tolerance_per_mm2_;
+  double rounding_per_mm2_ = 0.0;
   Vec4d unit_;
   Vec3d irradiance_at_a_;
   Vec3d normal_ = Vec3d::Zero();  // zero: no area

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "truth/needle.h"
 #include "truth/surface.h"
 
 namespace truescatter {
@@ -72,6 +73,7 @@ struct TriangleFrame {
   std::array<Vec3d, 3> along;    // of the edge from corner e to e + 1; zero for an edge without length
   std::array<Vec3d, 3> outward;
   std::array<Vec3d, 3> gradient;  // of the barycentric coordinates
+  double smallest_height_mm = 0.0;
 
   explicit TriangleFrame(const SurfaceTriangle& triangle) {
     const auto& x = triangle.corners_mm;
@@ -79,6 +81,8 @@ struct TriangleFrame {
     const double twice_area = cross.norm();
     if (!(twice_area > 0.0)) return;
     normal = cross / twice_area;
+    const double longest = std::max({(x[1] - x[0]).norm(), (x[2] - x[1]).norm(), (x[0] - x[2]).norm()});
+    smallest_height_mm = twice_area / longest;
     for (std::size_t e = 0; e < 3; ++e) {
       const Vec3d edge = x[(e + 1) % 3] - x[e];
       const double length = edge.norm();
@@ -125,11 +129,18 @@ inline double gauss_at(double r, double std_dev_mm) {
   return std::exp(-0.5 * (r / std_dev_mm) * (r / std_dev_mm));
 }
 
+// Whether the boundary formula would lose digits: over the width of a needle, irradiance changes so fast that
+// the gradient's term is a small difference of large ones, off by some 1e-15 of s over the width.
+inline bool is_needle(const TriangleFrame& frame, const TruthLayer& layer) {
+  return frame.smallest_height_mm < (std::isfinite(layer.r_max_mm) ? 1e-3 : 1e-2) * layer.std_dev_mm;
+}
+
 // The convolution of one triangle with the Gaussian where r < r_max; `inside` as above.
 template <typename Inside>
 Vec4d convolve_inner_part(const SurfaceTriangle& triangle, const TriangleFrame& frame, const Vec3d& point_mm,
                           const TruthLayer& layer, const Inside& inside) {
   if (!frame.has_area()) return Vec4d::Zero();
+  if (is_needle(frame, layer)) return convolve_needle(triangle, point_mm, layer);
   const double h = height_above(triangle, frame, point_mm);
   if (std::abs(h) >= layer.r_max_mm) return Vec4d::Zero();
   const double at_foot = gauss_at(h, layer.std_dev_mm);
@@ -150,6 +161,10 @@ template <typename Outside>
 Vec4d convolve_outer_part(const SurfaceTriangle& triangle, const TriangleFrame& frame, const Vec3d& point_mm,
                           const TruthLayer& layer, const Outside& outside) {
   if (!frame.has_area()) return Vec4d::Zero();
+  if (is_needle(frame, layer)) {
+    return convolve_needle(triangle, point_mm, {layer.std_dev_mm}) -
+           convolve_needle(triangle, point_mm, layer);
+  }
   const double h = height_above(triangle, frame, point_mm);
   const double foot_r = std::max(std::abs(h), layer.r_max_mm);
   const double at_cut = gauss_at(foot_r, layer.std_dev_mm);
