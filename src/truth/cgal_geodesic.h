@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/vec.h"
+#include "irradiance/mesh_point.h"
+
+namespace truescatter {
+
+// Exact polyhedral distances by CGAL (Surface_mesh_shortest_path; Xin and Wang 2009): a second opinion, slow.
+class CgalGeodesics {
+ public:
+  // Positions must be unique: coincident ones would part the surface. Throws Error (input) that names a
+  // triangle (from 0) which is without area or which would make the surface non-manifold or its orientation
+  // disagree.
+  CgalGeodesics(std::span<const Vec3d> positions_mm, std::span<const std::array<int, 3>> triangles);
+  ~CgalGeodesics();
+  CgalGeodesics(const CgalGeodesics&) = delete;
+  CgalGeodesics& operator=(const CgalGeodesics&) = delete;
+
+  // The distance along the surface from one point to each of the others; infinite to another component.
+  // Barycentric coordinates are raised to 1e-12: a source on an edge is not computed correctly by CGAL 5.5.
+  std::vector<double> distances_mm(const MeshPoint& source, std::span<const MeshPoint> targets) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace truescatter
