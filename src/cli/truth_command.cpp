@@ -20,6 +20,10 @@
 namespace truescatter::cli {
 namespace {
 
+// Squares of these and of their quotients with a mesh's size are good doubles.
+constexpr double kSmallestStdDev = 1e-9;
+constexpr double kLargestStdDev = 1e9;
+
 enum class Engine { fast, exact, brute };
 
 struct TruthRequest {
@@ -47,6 +51,10 @@ std::vector<TruthLayer> layers_of(const TruthArguments& arguments) {
     while (word.starts_with(' ')) word.remove_prefix(1);
     while (word.ends_with(' ')) word.remove_suffix(1);
     layer.std_dev_mm = positive(word, "sigma", "a standard deviation in mm");
+    if (layer.std_dev_mm < kSmallestStdDev || layer.std_dev_mm > kLargestStdDev) {
+      throw_input_error(option("sigma"), "\"{}\" is out of range: a standard deviation is {} to {} mm", word,
+                        kSmallestStdDev, kLargestStdDev);
+    }
     layers.push_back(layer);
     if (comma == std::string_view::npos) return layers;
     rest.remove_prefix(comma + 1);

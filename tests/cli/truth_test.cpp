@@ -415,6 +415,8 @@ TEST_F(CliTruth, RefusesWrongUsage) {
       {{{"--sigma", "1,2,"}}, "--sigma: \"\" is not a number"},
       {{{"--sigma", "1;2"}}, "--sigma: \"1;2\" is not a number"},
       {{{"--sigma", "inf"}}, "--sigma: \"inf\" is not finite"},
+      {{{"--sigma", "1e-170"}},
+       "--sigma: \"1e-170\" is out of range: a standard deviation is 1e-09 to 1000000000 mm"},
       {{{"--r-max", "-1"}}, "--r-max: \"-1\": a cut-off in mm must be above 0"},
       {{{"--r-max", "0"}}, "--r-max: \"0\": a cut-off in mm must be above 0"},
       {{{"--r-max", "nan"}}, "--r-max: \"nan\" is not finite"},
