@@ -16,6 +16,8 @@
 #include "truth/brute.h"
 #include "truth/exact.h"
 #include "truth/fast.h"
+#include "truth/geodesic_exact.h"
+#include "truth/geodesic_fast.h"
 
 namespace truescatter::cli {
 namespace {
@@ -28,6 +30,7 @@ enum class Engine { fast, exact, brute };
 
 struct TruthRequest {
   Engine engine = Engine::fast;
+  bool geodesic = false;
   double tolerance = 0.0;
   std::vector<TruthLayer> layers;
 };
@@ -68,6 +71,11 @@ std::string one_of(const std::string& value, const std::string& name, const std:
   return value;
 }
 
+bool is_geodesic(const TruthArguments& arguments) {
+  const std::string metric = arguments.metric.empty() ? "euclidean" : arguments.metric;
+  return one_of(metric, "metric", {"euclidean", "geodesic"}) == "geodesic";
+}
+
 Engine engine_of(const TruthArguments& arguments) {
   const std::string given =
       arguments.engine.empty() ? (arguments.exact ? "exact" : "fast") : arguments.engine;
@@ -76,11 +84,13 @@ Engine engine_of(const TruthArguments& arguments) {
     throw_input_error(
         {}, "--exact and --engine {} contradict each other: --exact is short for --engine exact", name);
   }
-  const std::string metric = arguments.metric.empty() ? "euclidean" : arguments.metric;
-  if (one_of(metric, "metric", {"euclidean", "geodesic"}) == "geodesic")
-    throw_input_error(option("metric"), "geodesic truths are not in this version");
-  if (name == "cgal") {
+  const bool geodesic = is_geodesic(arguments);
+  if (name == "cgal" && !geodesic) {
     throw_input_error(option("engine"), "cgal computes geodesic distances: it needs --metric geodesic");
+  }
+  if (geodesic && (name == "brute" || name == "cgal")) {
+    throw_input_error(option("engine"),
+                      "{} is not in this version with --metric geodesic; fast and exact are", name);
   }
   if (name == "exact") return Engine::exact;
   return name == "brute" ? Engine::brute : Engine::fast;
@@ -90,7 +100,8 @@ double tolerance_of(const TruthArguments& arguments, Engine engine) {
   if (arguments.tolerance.empty()) return engine == Engine::brute ? 1e-10 : 1e-4;
   const double tolerance = positive(arguments.tolerance, "tolerance", "a tolerance");
   // What each engine can promise in double precision.
-  const double smallest = engine == Engine::fast ? 1e-9 : (engine == Engine::brute ? 1e-13 : 0.0);
+  const double fast = is_geodesic(arguments) ? 1e-7 : 1e-9;
+  const double smallest = engine == Engine::fast ? fast : (engine == Engine::brute ? 1e-13 : 0.0);
   if (tolerance < smallest || tolerance > 0.1) {
     throw_input_error(option("tolerance"), "{} is out of range: with this engine it is {} to 0.1", tolerance,
                       smallest);
@@ -119,7 +130,31 @@ TruthValues convolve_each(const OneEngine& engine, std::span<const SurfacePoint>
   return values;
 }
 
+TruthValues compute_geodesic(const TruthProblem& problem, const TruthRequest& request) {
+  std::vector<GeodesicPiece> pieces;
+  for (std::size_t i = 0; i < problem.surface.triangles.size(); ++i) {
+    const SurfaceTriangle& triangle = problem.surface.triangles[i];
+    pieces.push_back({problem.mesh_triangle[i],
+                      {Vec3d::UnitX(), Vec3d::UnitY(), Vec3d::UnitZ()},
+                      triangle.irradiance,
+                      triangle.component});
+  }
+  std::vector<GeodesicTarget> targets;
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    targets.push_back(
+        {{problem.places[i].triangle, problem.places[i].barycentric}, problem.points[i].component});
+  }
+  const GeodesicSurface surface(IntrinsicMesh(problem.mesh.positions_mm, problem.mesh.triangles), pieces);
+  if (request.engine == Engine::exact) return GeodesicExactEngine(surface).convolve(targets, request.layers);
+  Progress progress(
+      fmt::format("geodesic truth of {} points, {} Gaussians", targets.size(), request.layers.size()),
+      targets.size() * request.layers.size());
+  return GeodesicFastEngine(surface, request.tolerance)
+      .convolve(targets, request.layers, [&](std::size_t steps) { progress.advance(steps); });
+}
+
 TruthValues compute(const TruthProblem& problem, const TruthRequest& request) {
+  if (request.geodesic) return compute_geodesic(problem, request);
   const std::span<const SurfacePoint> points = problem.points;
   const std::span<const TruthLayer> layers = request.layers;
   Progress progress(fmt::format("truth of {} points, {} Gaussians", points.size(), layers.size()),
@@ -143,6 +178,7 @@ int truth(const TruthArguments& arguments) {
   const JobLimit limit(arguments.jobs);
   TruthRequest request;
   request.engine = engine_of(arguments);
+  request.geodesic = is_geodesic(arguments);
   request.tolerance = tolerance_of(arguments, request.engine);
   request.layers = layers_of(arguments);
   check_out(arguments.out);

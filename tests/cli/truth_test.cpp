@@ -396,6 +396,61 @@ TEST_F(CliTruth, RefusesBrokenFiles) {
   expect_refused(truth(), "truescatter: p.csv:3:1: face 2 is out of range: m.obj has faces 0 to 1\n");
 }
 
+// On a convex plane geodesics are straight lines, so every value is the Euclidean one; a mask changes
+// neither.
+TEST_F(CliTruth, GeodesicIsEuclideanOnAPlane) {
+  Files files = grid(12);
+  for (int i = 0; i < 12; ++i) files.points.emplace_back(23 * i, Vec3d(0.2, 0.1 + 0.02 * i, 0.7 - 0.02 * i));
+  files.points.emplace_back(100, Vec3d(0, 1, 0));
+  files.points.emplace_back(130, Vec3d(0.5, 0.5, 0));
+  write(files);
+  std::string mask;
+  for (std::size_t f = 0; f < files.faces.size(); ++f) mask += f % 24 < 20 ? "1\n" : "0\n";
+  folder_.write("mask.csv", mask);
+  for (const std::string& masked : std::vector<std::string>{"", "mask.csv"}) {
+    if (!masked.empty()) std::erase_if(files.points, [](const auto& p) { return p.first % 24 >= 20; });
+    write(files);
+    for (const std::string& r_max : std::vector<std::string>{"", "1.7"}) {
+      const std::map<std::string, std::string> options = {
+          {"--sigma", "0.4,1.1"}, {"--mask", masked}, {"--r-max", r_max}};
+      std::map<std::string, std::string> geodesic = options;
+      geodesic["--metric"] = "geodesic";
+      const std::vector<Row> straight = rows(options);
+      const std::vector<Row> along = rows(geodesic);
+      geodesic["--engine"] = "fast";
+      const std::vector<Row> fast = rows(geodesic, false);
+      ASSERT_EQ(straight.size(), 2 * files.points.size());
+      ASSERT_EQ(along.size(), straight.size());
+      ASSERT_EQ(fast.size(), straight.size());
+      for (std::size_t i = 0; i < straight.size(); ++i) {
+        EXPECT_NEAR(along[i].mass, straight[i].mass, kRounding) << i;
+        EXPECT_LE((along[i].rgb - straight[i].rgb).cwiseAbs().maxCoeff(), 1.6 * kRounding) << i;
+        EXPECT_NEAR(fast[i].mass, straight[i].mass, 1e-4) << i;
+        EXPECT_LE((fast[i].rgb - straight[i].rgb).cwiseAbs().maxCoeff(), 1.6e-4) << i;
+      }
+    }
+  }
+}
+
+// Three squares at a cube's corner, 0.8 standard deviations away from it: tabulated.
+TEST_F(CliTruth, GeodesicMassAtACubesCorner) {
+  Files files;
+  const int o = files.add_vertex({0, 0, 0}, kLight);
+  const int x = files.add_vertex({30, 0, 0}, kLight);
+  const int y = files.add_vertex({0, 30, 0}, kLight);
+  const int z = files.add_vertex({0, 0, 30}, kLight);
+  const int xy = files.add_vertex({30, 30, 0}, kLight);
+  const int yz = files.add_vertex({0, 30, 30}, kLight);
+  const int zx = files.add_vertex({30, 0, 30}, kLight);
+  files.faces = {{o, x, xy}, {o, xy, y}, {o, y, yz}, {o, yz, z}, {o, z, zx}, {o, zx, x}};
+  const double share = 0.8 / 30.0 / std::sqrt(2.0);  // along the diagonal of the first square
+  files.points = {{0, Vec3d(1.0 - share, 0, share)}, {1, Vec3d(1.0 - share, share, 0)}};
+  write(files);
+  const std::vector<Row> found = rows({{"--metric", "geodesic"}});
+  ASSERT_EQ(found.size(), 2U);
+  for (const Row& row : found) EXPECT_NEAR(row.mass, 0.918316175058, 1e-12);
+}
+
 TEST_F(CliTruth, RefusesWrongUsage) {
   Files files = half_plane();
   files.points = {{0, kThird}};
@@ -427,7 +482,7 @@ TEST_F(CliTruth, RefusesWrongUsage) {
       {{{"--engine", "slow"}}, "--engine: \"slow\" is not known; there are: fast, exact, brute, cgal"},
       {{{"--engine", "cgal"}}, "--engine: cgal computes geodesic distances: it needs --metric geodesic"},
       {{{"--metric", "manhattan"}}, "--metric: \"manhattan\" is not known; there are: euclidean, geodesic"},
-      {{{"--metric", "geodesic"}}, "--metric: geodesic truths are not in this version"},
+      {{{"--metric", "geodesic"}, {"--engine", "brute"}}, "--engine: brute is not in this version with"},
       {{{"--jobs", "0"}}, "--jobs"},
       {{{"--out", "none/o.csv"}}, "none/o.csv: cannot be written: there is no folder none"},
       {{{"--out", "."}}, "is a folder; the name of a file is needed"},
