@@ -30,8 +30,8 @@ IntrinsicMesh::IntrinsicMesh(std::span<const Vec3d> positions_mm,
     : faces_(triangles.begin(), triangles.end()), vertices_(positions_mm.size()) {
   lay_flat(positions_mm);
   connect();
-  make_fans(positions_mm);
   refuse_t_junctions(positions_mm);
+  make_fans(positions_mm);
 }
 
 void IntrinsicMesh::lay_flat(std::span<const Vec3d> positions_mm) {
@@ -140,8 +140,10 @@ void IntrinsicMesh::make_fans(std::span<const Vec3d> positions_mm) {
 
 void IntrinsicMesh::refuse_t_junctions(std::span<const Vec3d> positions_mm) const {
   std::vector<int> open;
-  for (std::size_t i = 0; i < vertices_.size(); ++i) {
-    if (vertices_[i].open) open.push_back(static_cast<int>(i));
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    for (int j = 0; j < 3; ++j) {
+      if (crossing(f, j).face < 0) open.insert(open.end(), {vertex(f, j), vertex(f, next(j))});
+    }
   }
   const auto at = [&](int v) -> const Vec3d& { return positions_mm[static_cast<std::size_t>(v)]; };
   std::sort(open.begin(), open.end(), [&](int a, int b) { return at(a).x() < at(b).x(); });

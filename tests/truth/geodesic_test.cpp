@@ -5,10 +5,13 @@
 #include <cmath>
 #include <random>
 
+#include "core/error.h"
 #include "core/parallel.h"
 #include "scene/builtin.h"
+#include "truth/cgal_geodesic.h"
 #include "truth/exact.h"
 #include "truth/geodesic_exact.h"
+#include "truth/geodesic_fast.h"
 
 namespace truescatter {
 namespace {
@@ -138,6 +141,118 @@ TEST(GeodesicExact, MassOnASaddle) {
             << "total " << total << " a " << a << " share " << share;
       }
     }
+  }
+}
+
+// Distances at random interior points of rough meshes, sources inside faces, on edges and on vertices:
+// vertices alone would not show a window that is missing. CGAL's are exact to rounding of its own
+// coordinates, some 1e-12 of the radius; sources on edges are moved by 1e-12 of a face for its sake.
+TEST(GeodesicField, DistancesAreCgals) {
+  std::mt19937_64 generator(17);
+  for (const char* name : {"sphere", "tube", "slab", "plane", "wedge"}) {
+    Mesh mesh = make_builtin(name);
+    for (Vec3d& p : mesh.positions_mm)
+      p += 1.5 * Vec3d(uniform(generator) - 0.5, uniform(generator) - 0.5, uniform(generator) - 0.5);
+    const IntrinsicMesh intrinsic(mesh.positions_mm, mesh.triangles);
+    const CgalGeodesics cgal(mesh.positions_mm, mesh.triangles);
+    GeodesicField field(intrinsic);
+    const double radius_mm = 8.0;
+    for (int i = 0; i < 4; ++i) {
+      GeodesicPoint source;
+      source.face = generator() % mesh.triangles.size();
+      Vec3d b(uniform(generator), uniform(generator), uniform(generator));
+      if (i == 1) b[1] = 0.0;
+      if (i == 2) b = Vec3d::UnitZ();
+      source.barycentric = b / b.sum();
+      field.propagate(source, radius_mm);
+      std::vector<MeshPoint> targets;
+      for (const std::int32_t face : field.faces()) {
+        for (int k = 0; k < 3; ++k) {
+          const Vec3d t(uniform(generator), uniform(generator), uniform(generator));
+          targets.push_back({static_cast<std::size_t>(face), t / t.sum()});
+        }
+      }
+      const std::vector<double> expected = cgal.distances_mm({source.face, source.barycentric}, targets);
+      for (std::size_t k = 0; k < targets.size(); ++k) {
+        if (expected[k] >= radius_mm) continue;
+        const Vec2d x = flat_position(intrinsic, {targets[k].triangle, targets[k].barycentric});
+        EXPECT_NEAR(field.distance(targets[k].triangle, x), expected[k], 1e-10 * radius_mm)
+            << name << " source " << i << " target " << k;
+      }
+    }
+  }
+}
+
+// What cannot be unfolded is refused by name.
+TEST(IntrinsicMesh, RefusesWhatHasNoOneAnswer) {
+  const auto message = [](const Soup& soup) -> std::string {
+    try {
+      const IntrinsicMesh mesh(soup.positions_mm, soup.triangles);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      return error.what();
+    }
+    return "accepted";
+  };
+  const Vec3d o(0, 0, 0);
+  const Vec3d x(1, 0, 0);
+  const Vec3d y(0, 1, 0);
+  const Vec3d z(0, 0, 1);
+  EXPECT_NE(message({{o, x, 2.0 * x}, {{0, 1, 2}}}).find("triangle 0 at (0, 0, 0) has no area"),
+            std::string::npos);
+  EXPECT_NE(message({{o, x, y, z, -y}, {{0, 1, 2}, {1, 0, 3}, {1, 0, 4}}}).find("triangles 1 and 2"),
+            std::string::npos);
+  EXPECT_NE(message({{o, x, y, z}, {{0, 1, 2}, {0, 1, 3}}}).find("triangles 0 and 1"), std::string::npos);
+  EXPECT_NE(
+      message({{o, x, y, -x, -y}, {{0, 1, 2}, {0, 3, 4}}}).find("at the vertex (0, 0, 0) two sheets touch"),
+      std::string::npos);
+  // A long edge against two short ones.
+  EXPECT_NE(message({{-x, x, y, o, -y}, {{0, 1, 2}, {3, 0, 4}, {1, 3, 4}}}).find("(a T-junction)"),
+            std::string::npos);
+  EXPECT_EQ(message({{o, x, y, z}, {{0, 1, 2}, {1, 0, 3}}}), "accepted");
+}
+
+// The fast engine keeps its tolerance where the surface is rough and light is, too.
+TEST(GeodesicFast, HoldsItsTolerance) {
+  for (const char* name : {"tube", "wedge"}) {
+    const Mesh mesh = make_builtin(name);
+    const GeodesicSurface surface = lit({mesh.positions_mm, mesh.triangles}, 7);
+    std::mt19937_64 generator(19);
+    std::vector<GeodesicTarget> targets;
+    for (int i = 0; i < 12; ++i) {
+      Vec3d b(uniform(generator), uniform(generator), uniform(generator));
+      if (i % 4 == 1) b[i % 3] = 0.0;
+      if (i % 4 == 2) b = Vec3d::Unit(i % 3);
+      targets.push_back({{generator() % mesh.triangles.size(), b / b.sum()}, 0});
+    }
+    const std::vector<TruthLayer> layers = {{0.08}, {0.43}, {1.4}, {1.4, 3.1}};
+    const TruthValues exact = GeodesicExactEngine(surface).convolve(targets, layers);
+    for (const double tolerance : {1e-4, 1e-6}) {
+      const TruthValues fast = GeodesicFastEngine(surface, tolerance).convolve(targets, layers);
+      for (std::size_t l = 0; l < layers.size(); ++l) {
+        for (std::size_t i = 0; i < targets.size(); ++i) {
+          EXPECT_LE((fast[l][i] - exact[l][i]).cwiseAbs().maxCoeff(), tolerance)
+              << name << " s " << layers[l].std_dev_mm << " r_max " << layers[l].r_max_mm << " point " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(GeodesicFast, SameBitsForAnyNumberOfJobs) {
+  const Mesh mesh = make_builtin("tube");
+  const GeodesicSurface surface = lit({mesh.positions_mm, mesh.triangles}, 7);
+  std::vector<GeodesicTarget> targets;
+  for (std::size_t i = 0; i < 600; ++i) targets.push_back({{i % mesh.triangles.size(), {0.2, 0.3, 0.5}}, 0});
+  const std::vector<TruthLayer> layers = {{0.43}, {1.0}};
+  const auto run = [&](int jobs) {
+    const JobLimit limit(jobs);
+    return GeodesicFastEngine(surface, 1e-4).convolve(targets, layers);
+  };
+  const TruthValues one = run(1);
+  const TruthValues two = run(2);
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    for (std::size_t i = 0; i < targets.size(); ++i) ASSERT_EQ(one[l][i], two[l][i]);
   }
 }
 
