@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "truth/face_integral.h"
+#include "truth/piece_integral.h"
 
 namespace truescatter {
 namespace {
-// Of the mass of a plane: how far Gauss and Kronrod may differ over one stretch of an edge. For a smooth integrand
-// the finer of the two is then good to (200 * 1e-12)^1.5 = 3e-15.
+// Of the mass of a plane: how far Gauss and Kronrod may differ over one stretch of an edge. For a smooth
+// integrand the finer of the two is then good to (200 * 1e-12)^1.5 = 3e-15.
 constexpr double kQuadratureError = 1e-12;
 }  // namespace
 
@@ -20,9 +20,16 @@ std::vector<Vec4d> GeodesicExactEngine::convolve(GeodesicField& field, const Geo
     radius_mm = std::max(radius_mm, std::min(layer.r_max_mm, search_std_devs_ * layer.std_dev_mm));
   field.propagate(target.point, radius_mm);
   std::vector<Vec4d> sums(layers.size(), Vec4d::Zero());
+  PieceIntegral integral({true, kQuadratureError, search_std_devs_, surface_.largest_irradiance()});
+  std::vector<const GeodesicWindow*> windows;
   for (const std::int32_t face : field.faces()) {
-    FaceIntegral integral(surface_.mesh(), field, static_cast<std::size_t>(face), kQuadratureError);
-    integral.add(surface_.pieces(static_cast<std::size_t>(face)), target.component, layers, sums);
+    windows.clear();
+    for (std::int32_t i = field.first_window(static_cast<std::size_t>(face)); i >= 0;
+         i = field.window(i).next)
+      windows.push_back(&field.window(i));
+    for (const FlatPiece& piece : surface_.pieces(static_cast<std::size_t>(face))) {
+      if (piece.component == target.component) integral.add(piece, windows, layers, sums);
+    }
   }
   return sums;
 }

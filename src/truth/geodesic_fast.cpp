@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
 
 #include "core/parallel.h"
-#include "truth/face_integral.h"
-#include "truth/quadrature.h"
+#include "truth/piece_integral.h"
+#include "truth/piece_nodes.h"
 
 namespace truescatter {
 namespace {
@@ -15,35 +17,36 @@ namespace {
 constexpr double kTailShare = 0.1;        // of the tolerance
 constexpr double kQuadratureShare = 0.4;  // of the tolerance
 constexpr double kKinkShare = 0.3;        // of the tolerance
-// Where a kink lies among a face's nodes is as good as random, so the faces' errors add as independent ones
-// do.
-constexpr double kDeviations = 3.0;
-constexpr double kFormulaShare = 1e-3;  // of the tolerance, for each stretch of an edge
-constexpr std::size_t kTaskTargets = 256;
-
-struct PieceBounds {
-  Vec2d centroid_mm;
-  double radius_mm;
-};
-
-PieceBounds bounds_of(const FlatPiece& piece) {
-  const Vec2d centroid = (piece.corners_mm[0] + piece.corners_mm[1] + piece.corners_mm[2]) / 3.0;
-  double radius = 0.0;
-  for (const Vec2d& corner : piece.corners_mm) radius = std::max(radius, (corner - centroid).norm());
-  return {centroid, radius};
-}
+// Kinks' errors have mean 0 and are independent, for where a kink lies among a part's nodes is as good as
+// random: the sum of many is normal, and 4 deviations hold but for 6e-5 of the points. 4 deviations of a
+// single one are more than its bound (TriangleRule::kink_rms).
+constexpr double kDeviations = 4.0;
+// A piece whose kinks matter is divided by that much more; if that is not enough it takes the formula.
+constexpr int kFiner = 3;
+constexpr std::size_t kMaxFinerNodes = 800;
+constexpr double kFormulaShare = 1e-3;  // of the tolerance, for each sector
+// Down to this tolerance nodes are summed in single precision, and closed forms need be good to 1e-7 only.
+constexpr double kSinglePrecision = 1e-5;
+// A piece with one source takes the closed form rather than more nodes than that.
+constexpr std::size_t kMaxNodes = 96;
+constexpr std::size_t kTaskTargets = 512;
 
 // What does not depend on the target.
+template <typename Scalar>
 struct Plan {
-  std::vector<TruthLayer> layers;                      // widest first
-  std::vector<std::size_t> order;                      // of the caller's layers
-  std::vector<double> reach_mm;                        // by layer
-  std::vector<std::vector<std::vector<Split>>> split;  // by face, its piece, layer
-  std::vector<std::vector<PieceBounds>> bounds;        // by face, its piece
+  std::vector<TruthLayer> layers;  // widest first
+  std::vector<std::size_t> order;  // of the caller's layers
+  std::vector<double> reach_mm;    // by layer
+  std::vector<Vec2d> centroid_mm;  // by piece
+  std::vector<double> radius_mm;   // by piece
+  std::vector<std::int8_t> split;  // by piece, layer: index into `splits`, or -1: no rule will do
+  std::vector<SplitNodes<Scalar>> splits;
+  std::vector<std::int8_t> finer;  // of each split: index into `splits`, or -1: too many nodes
 };
 
-Plan make_plan(const GeodesicSurface& surface, double tolerance, std::span<const TruthLayer> layers) {
-  Plan plan;
+template <typename Scalar>
+Plan<Scalar> make_plan(const GeodesicSurface& surface, double tolerance, std::span<const TruthLayer> layers) {
+  Plan<Scalar> plan;
   plan.order.resize(layers.size());
   std::iota(plan.order.begin(), plan.order.end(), std::size_t{0});
   std::stable_sort(plan.order.begin(), plan.order.end(),
@@ -54,187 +57,221 @@ Plan make_plan(const GeodesicSurface& surface, double tolerance, std::span<const
     plan.reach_mm.push_back(std::min(tail * layers[l].std_dev_mm, layers[l].r_max_mm));
   }
   const RuleChooser chooser(kQuadratureShare * tolerance);
-  const std::size_t faces = surface.mesh().face_count();
-  plan.split.resize(faces);
-  plan.bounds.resize(faces);
-  for (std::size_t f = 0; f < faces; ++f) {
-    for (const FlatPiece& piece : surface.pieces(f)) {
-      plan.bounds[f].push_back(bounds_of(piece));
-      std::vector<Split> splits;
-      for (const TruthLayer& layer : plan.layers)
-        splits.push_back(chooser.choose(plan.bounds[f].back().radius_mm / layer.std_dev_mm));
-      plan.split[f].push_back(std::move(splits));
+  std::map<std::pair<const TriangleRule*, int>, std::int8_t> known;
+  for (const FlatPiece& piece : surface.pieces()) {
+    plan.centroid_mm.push_back(piece.centroid_mm());
+    plan.radius_mm.push_back(piece.radius_mm());
+    for (const TruthLayer& layer : plan.layers) {
+      const Split split = chooser.choose(plan.radius_mm.back() / layer.std_dev_mm);
+      if (split.rule == nullptr) {
+        plan.split.push_back(-1);
+        continue;
+      }
+      const auto [entry, is_new] =
+          known.try_emplace({split.rule, split.parts}, static_cast<std::int8_t>(plan.splits.size()));
+      if (is_new) plan.splits.emplace_back(split);
+      plan.split.push_back(entry->second);
     }
+  }
+  const std::size_t count = plan.splits.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Split finer = chooser.finer(plan.splits[i].split, kFiner);
+    plan.finer.push_back(finer.node_count() > kMaxFinerNodes ? std::int8_t{-1}
+                                                             : static_cast<std::int8_t>(plan.splits.size()));
+    if (plan.finer.back() >= 0) plan.splits.emplace_back(finer);
   }
   return plan;
 }
 
-// The shortest path to a point among a face's windows, and how strong a kink may lie within `radius_mm`.
-struct Shortest {
-  double distance_mm = std::numeric_limits<double>::infinity();
-  double kink = 0.0;  // |difference of the two gradients|
-};
-
+template <typename Scalar>
 class TargetConvolution {
  public:
-  TargetConvolution(const GeodesicSurface& surface, double tolerance, const Plan& plan)
-      : surface_(surface), tolerance_(tolerance), plan_(plan), field_(surface.mesh()) {}
+  TargetConvolution(const GeodesicSurface& surface, double tolerance, const Plan<Scalar>& plan)
+      : surface_(surface),
+        tolerance_(tolerance),
+        plan_(plan),
+        field_(surface.mesh()),
+        formula_({tolerance < kSinglePrecision, kFormulaShare * tolerance,
+                  std::sqrt(-2.0 * std::log(kTailShare * tolerance)), surface.largest_irradiance()}),
+        reach_mm_(*std::max_element(plan.reach_mm.begin(), plan.reach_mm.end())),
+        // A place is known to some roundings of the radius, so a ray may miss it by that.
+        slack_mm_(reach_mm_ * 16.0 * static_cast<double>(std::numeric_limits<Scalar>::epsilon())) {}
 
   // In the order of the plan's layers.
   std::vector<Vec4d> at(const GeodesicTarget& target) {
-    const double reach_mm = *std::max_element(plan_.reach_mm.begin(), plan_.reach_mm.end());
-    field_.propagate(target.point, reach_mm);
-    std::vector<Vec4d> total(plan_.layers.size(), Vec4d::Zero());
+    field_.propagate(target.point, reach_mm_);
+    total_.assign(plan_.layers.size(), Vec4d::Zero());
     kinked_.clear();
-    double kink_variance = 0.0;
+    kinked_windows_.clear();
+    kink_variance_.assign(plan_.layers.size(), 0.0);
     for (const std::int32_t face : field_.faces()) {
-      FaceSums sums = add_face(static_cast<std::size_t>(face), target.component);
-      for (std::size_t l = 0; l < total.size(); ++l) total[l] += sums.layer[l];
-      if (sums.kink_error > 0.0) {
-        kink_variance += sums.kink_error * sums.kink_error;
-        kinked_.push_back(std::move(sums));
+      const auto f = static_cast<std::size_t>(face);
+      windows_.clear();
+      for (std::int32_t i = field_.first_window(f); i >= 0; i = field_.window(i).next)
+        windows_.push_back(&field_.window(i));
+      const std::size_t first = surface_.first_piece(f);
+      const std::size_t count = surface_.pieces(f).size();
+      for (std::size_t i = first; i < first + count; ++i) {
+        if (surface_.pieces()[i].component == target.component) add_piece(i);
       }
     }
-    const double budget = kKinkShare / kDeviations * tolerance_;
-    if (kink_variance > budget * budget) mend_kinks(target.component, kink_variance, budget * budget, total);
-    return total;
+    mend_kinks();
+    return total_;
   }
 
  private:
-  struct FaceSums {
-    std::size_t face = 0;
-    double kink_error = 0.0;
-    std::vector<Vec4d> layer;
+  // A piece and layer whose quadrature meets kinks, with what it added.
+  struct Kinked {
+    std::size_t piece;
+    std::size_t layer;
+    double variance;
+    Vec4d sum;
+    std::size_t first_window;  // into kinked_windows_
+    std::size_t window_count;
   };
 
-  FaceSums add_face(std::size_t face, int component) {
-    FaceSums sums{face, 0.0, std::vector<Vec4d>(plan_.layers.size(), Vec4d::Zero())};
-    windows_.clear();
-    for (std::int32_t i = field_.first_window(face); i >= 0; i = field_.window(i).next)
-      windows_.push_back(field_.window(i));
-    const std::span<const FlatPiece> pieces = surface_.pieces(face);
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      if (pieces[i].component == component) add_piece(face, i, pieces[i], sums);
-    }
-    return sums;
-  }
-
-  void add_piece(std::size_t face, std::size_t index, const FlatPiece& piece, FaceSums& sums) {
-    const PieceBounds& bounds = plan_.bounds[face][index];
+  // Adds a piece to the total, and to kink_variance_ what its kinks may have.
+  void add_piece(std::size_t index) {
+    const FlatPiece& piece = surface_.pieces()[index];
+    const Vec2d& centroid = plan_.centroid_mm[index];
+    const double radius = plan_.radius_mm[index];
+    if (!choose_windows(centroid, radius)) return;
     double nearest = std::numeric_limits<double>::infinity();
     double farthest = 0.0;
-    for (const GeodesicWindow& window : windows_) {
-      const double length = window.distance(bounds.centroid_mm);
-      nearest = std::min(nearest, length - bounds.radius_mm);
-      farthest = std::max(farthest, length + bounds.radius_mm);
+    for (const GeodesicWindow* window : chosen_) {
+      nearest = std::min(nearest, window->distance(centroid) - radius);
+      farthest = std::max(farthest, window->distance(centroid) + radius);
     }
-    by_nodes_.clear();
-    const Split* finest = nullptr;
+    const bool simple = chosen_.size() == 1 && chosen_.front()->offset_mm == 0.0;
+    by_formula_.clear();
+    const SplitNodes<Scalar>* prepared = nullptr;
+    bool is_kinked = false;
+    const std::size_t first_window = kinked_windows_.size();
     for (std::size_t l = 0; l < plan_.layers.size(); ++l) {
       if (nearest > plan_.reach_mm[l]) continue;
-      const Split& split = plan_.split[face][index][l];
+      const std::int8_t chosen = plan_.split[index * plan_.layers.size() + l];
+      const SplitNodes<Scalar>* nodes =
+          chosen < 0 ? nullptr : &plan_.splits[static_cast<std::size_t>(chosen)];
       const bool cut = farthest > plan_.layers[l].r_max_mm;
-      if (split.rule == nullptr || cut) {
-        FaceIntegral formula(surface_.mesh(), field_, face, kFormulaShare * tolerance_);
-        formula.add(std::span(&piece, 1), piece.component, std::span(&plan_.layers[l], 1),
-                    std::span(&sums.layer[l], 1));
-      } else {
-        by_nodes_.push_back(l);
-        if (finest == nullptr || split.node_count() > finest->node_count()) finest = &split;
+      if (nodes == nullptr || cut || (simple && nodes->split.node_count() > kMaxNodes)) {
+        by_formula_.push_back(l);
+        continue;
       }
+      if (nodes != prepared) {
+        nodes_.prepare(piece, *nodes, chosen_, slack_mm_);
+        prepared = nodes;
+      }
+      const Vec4d sum = nodes_.sum(plan_.layers[l]);
+      total_[l] += sum;
+      if (simple) continue;
+      const double variance = nodes_.kink_variance(plan_.layers[l]);
+      if (variance <= 0.0) continue;
+      kink_variance_[l] += variance;
+      kinked_.push_back({index, l, variance, sum, first_window, chosen_.size()});
+      is_kinked = true;
     }
-    if (finest != nullptr) add_nodes(piece, bounds.radius_mm / finest->parts, *finest, sums);
+    if (!by_formula_.empty()) add_formula(piece, chosen_, by_formula_);
+    if (is_kinked) kinked_windows_.insert(kinked_windows_.end(), chosen_.begin(), chosen_.end());
   }
 
-  void add_nodes(const FlatPiece& piece, double part_radius_mm, const Split& split, FaceSums& sums) {
-    const int n = split.parts;
-    const double part_area = piece.area_mm2() / (n * n);
-    const auto visit_part = [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-      for (const TriangleNode& node : split.rule->nodes) {
-        const Vec3d at = node.barycentric[0] * a + node.barycentric[1] * b + node.barycentric[2] * c;
-        add_node(piece, at, node.weight * part_area, part_radius_mm, split.rule->kink_error, sums);
-      }
-    };
-    const auto corner = [&](int i, int j) { return Vec3d(Vec3d(n - i - j, i, j) / n); };
-    for (int i = 0; i < n; ++i) {
-      for (int j = 0; i + j < n; ++j) {
-        visit_part(corner(i, j), corner(i + 1, j), corner(i, j + 1));
-        if (i + j + 1 < n) visit_part(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
-      }
+  // Those of the face's windows that may hold a shortest path to a point of a piece.
+  bool choose_windows(const Vec2d& centroid, double radius) {
+    chosen_.clear();
+    double longest = reach_mm_;  // of the shortest paths to points of the piece
+    for (const GeodesicWindow* window : windows_) {
+      if (window->beyond_rays(centroid) <= -radius || window->all_round)
+        longest = std::min(longest, window->distance(centroid) + radius);
     }
+    for (const GeodesicWindow* window : windows_) {
+      if (window->beyond_rays(centroid) <= radius && window->distance(centroid) - radius <= longest)
+        chosen_.push_back(window);
+    }
+    return !chosen_.empty();
   }
 
-  void add_node(const FlatPiece& piece, const Vec3d& at, double area, double part_radius_mm,
-                double rule_error, FaceSums& sums) {
-    const Vec2d x = at[0] * piece.corners_mm[0] + at[1] * piece.corners_mm[1] + at[2] * piece.corners_mm[2];
-    const Shortest shortest = shortest_to(x, part_radius_mm);
-    const double d = shortest.distance_mm;
-    const Vec3d irradiance =
-        at[0] * piece.irradiance[0] + at[1] * piece.irradiance[1] + at[2] * piece.irradiance[2];
-    const Vec4d weight(area * irradiance.x(), area * irradiance.y(), area * irradiance.z(), area);
-    double worst = 0.0;
-    for (const std::size_t l : by_nodes_) {
-      const double s = plan_.layers[l].std_dev_mm;
-      const double q = d / s;
-      if (q > 8.6) continue;
-      const double g = std::exp(-0.5 * q * q) / (2.0 * kPi * s * s);
-      sums.layer[l] += g * weight;
-      worst = std::max(worst, g * q / s);
-    }
-    // A jump J of the gradient is J/2 times the distance from the kink, on top of something smooth.
-    sums.kink_error += 0.5 * shortest.kink * worst * area * part_radius_mm * rule_error;
+  void add_formula(const FlatPiece& piece, std::span<const GeodesicWindow* const> windows,
+                   std::span<const std::size_t> layers) {
+    formula_layers_.clear();
+    for (const std::size_t l : layers) formula_layers_.push_back(plan_.layers[l]);
+    formula_sums_.assign(layers.size(), Vec4d::Zero());
+    formula_.add(piece, windows, formula_layers_, formula_sums_);
+    for (std::size_t i = 0; i < layers.size(); ++i) total_[layers[i]] += formula_sums_[i];
   }
 
-  Shortest shortest_to(const Vec2d& x, double radius_mm) const {
-    Shortest shortest;
-    const GeodesicWindow* owner = nullptr;
-    const double slack = 1e-11 * field_radius();
-    for (const GeodesicWindow& window : windows_) {
-      if (window.beyond_rays(x) > slack) continue;
-      const double length = window.distance(x);
-      if (length < shortest.distance_mm) {
-        shortest.distance_mm = length;
-        owner = &window;
-      }
-    }
-    // Rounding may leave a point between two windows; the field's own query settles it.
-    if (owner == nullptr) return shortest;
-    const Vec2d along = (x - owner->source).normalized();
-    for (const GeodesicWindow& window : windows_) {
-      if (&window == owner || window.beyond_rays(x) > slack) continue;
-      const double jump = ((x - window.source).normalized() - along).norm();
-      // The two lengths agree no nearer than this.
-      if (window.distance(x) - shortest.distance_mm < jump * radius_mm && jump > 1e-9)
-        shortest.kink = std::max(shortest.kink, jump);
-    }
-    return shortest;
-  }
-
-  double field_radius() const { return plan_.reach_mm.front(); }
-
-  // The faces whose kinks matter most take the exact formula, until what is left is within the budget.
-  void mend_kinks(int component, double variance, double budget, std::vector<Vec4d>& total) {
-    std::sort(kinked_.begin(), kinked_.end(), [](const FaceSums& a, const FaceSums& b) {
-      return a.kink_error != b.kink_error ? a.kink_error > b.kink_error : a.face < b.face;
+  // The pieces whose kinks matter most are done again, until what is left is within each layer's budget.
+  void mend_kinks() {
+    const double budget = std::pow(kKinkShare / kDeviations * tolerance_, 2);
+    std::sort(kinked_.begin(), kinked_.end(), [](const Kinked& a, const Kinked& b) {
+      return a.variance != b.variance ? a.variance > b.variance
+             : a.piece != b.piece     ? a.piece < b.piece
+                                      : a.layer < b.layer;
     });
-    for (const FaceSums& sums : kinked_) {
-      if (variance <= budget) break;
-      variance -= sums.kink_error * sums.kink_error;
-      std::vector<Vec4d> exact(plan_.layers.size(), Vec4d::Zero());
-      FaceIntegral formula(surface_.mesh(), field_, sums.face, kFormulaShare * tolerance_);
-      formula.add(surface_.pieces(sums.face), component, plan_.layers, exact);
-      for (std::size_t l = 0; l < total.size(); ++l) total[l] += exact[l] - sums.layer[l];
+    for (Kinked& kinked : kinked_) {
+      if (kink_variance_[kinked.layer] > budget) divide(kinked);
     }
+    for (const Kinked& kinked : kinked_) {
+      if (kink_variance_[kinked.layer] <= budget) continue;
+      kink_variance_[kinked.layer] -= kinked.variance;
+      total_[kinked.layer] -= kinked.sum;
+      add_formula(surface_.pieces()[kinked.piece], windows_of(kinked), std::span(&kinked.layer, 1));
+    }
+  }
+
+  std::span<const GeodesicWindow* const> windows_of(const Kinked& kinked) const {
+    return std::span(kinked_windows_).subspan(kinked.first_window, kinked.window_count);
+  }
+
+  void divide(Kinked& kinked) {
+    const std::int8_t split = plan_.split[kinked.piece * plan_.layers.size() + kinked.layer];
+    const std::int8_t finer = plan_.finer[static_cast<std::size_t>(split)];
+    if (finer < 0) return;
+    nodes_.prepare(surface_.pieces()[kinked.piece], plan_.splits[static_cast<std::size_t>(finer)],
+                   windows_of(kinked), slack_mm_);
+    const TruthLayer& layer = plan_.layers[kinked.layer];
+    const Vec4d sum = nodes_.sum(layer);
+    const double variance = nodes_.kink_variance(layer);
+    total_[kinked.layer] += sum - kinked.sum;
+    kink_variance_[kinked.layer] += variance - kinked.variance;
+    kinked.sum = sum;
+    kinked.variance = variance;
   }
 
   const GeodesicSurface& surface_;
   double tolerance_;
-  const Plan& plan_;
+  const Plan<Scalar>& plan_;
   GeodesicField field_;
-  std::vector<GeodesicWindow> windows_;  // of the current face
-  std::vector<std::size_t> by_nodes_;    // layers of the current piece
-  std::vector<FaceSums> kinked_;
+  PieceIntegral formula_;
+  PieceNodes<Scalar> nodes_;
+  double reach_mm_;
+  double slack_mm_;
+  std::vector<Vec4d> total_;
+  std::vector<const GeodesicWindow*> windows_;  // of the current face
+  std::vector<const GeodesicWindow*> chosen_;   // of the current piece
+  std::vector<std::size_t> by_formula_;         // layers of the current piece
+  std::vector<TruthLayer> formula_layers_;
+  std::vector<Vec4d> formula_sums_;
+  std::vector<Kinked> kinked_;
+  std::vector<const GeodesicWindow*> kinked_windows_;
+  std::vector<double> kink_variance_;  // by layer
 };
+
+template <typename Scalar>
+TruthValues convolve_all(const GeodesicSurface& surface, double tolerance,
+                         std::span<const GeodesicTarget> targets, std::span<const TruthLayer> layers,
+                         const std::function<void(std::size_t)>& advance) {
+  TruthValues values(layers.size(), std::vector<Vec4d>(targets.size(), Vec4d::Zero()));
+  const Plan<Scalar> plan = make_plan<Scalar>(surface, tolerance, layers);
+  parallel_for((targets.size() + kTaskTargets - 1) / kTaskTargets, [&](std::size_t task) {
+    TargetConvolution<Scalar> convolution(surface, tolerance, plan);
+    const std::size_t end = std::min(targets.size(), (task + 1) * kTaskTargets);
+    for (std::size_t i = task * kTaskTargets; i < end; ++i) {
+      const std::vector<Vec4d> sums = convolution.at(targets[i]);
+      for (std::size_t l = 0; l < sums.size(); ++l) values[plan.order[l]][i] = sums[l];
+      if (advance) advance(layers.size());
+    }
+  });
+  return values;
+}
 
 }  // namespace
 
@@ -248,19 +285,9 @@ double GeodesicFastEngine::tail_bound() const { return 2.0 * kTailShare * tolera
 TruthValues GeodesicFastEngine::convolve(std::span<const GeodesicTarget> targets,
                                          std::span<const TruthLayer> layers,
                                          const std::function<void(std::size_t)>& advance) const {
-  TruthValues values(layers.size(), std::vector<Vec4d>(targets.size(), Vec4d::Zero()));
-  if (layers.empty()) return values;
-  const Plan plan = make_plan(surface_, tolerance_, layers);
-  parallel_for((targets.size() + kTaskTargets - 1) / kTaskTargets, [&](std::size_t task) {
-    TargetConvolution convolution(surface_, tolerance_, plan);
-    const std::size_t end = std::min(targets.size(), (task + 1) * kTaskTargets);
-    for (std::size_t i = task * kTaskTargets; i < end; ++i) {
-      const std::vector<Vec4d> sums = convolution.at(targets[i]);
-      for (std::size_t l = 0; l < sums.size(); ++l) values[plan.order[l]][i] = sums[l];
-      if (advance) advance(layers.size());
-    }
-  });
-  return values;
+  if (layers.empty()) return {};
+  return tolerance_ < kSinglePrecision ? convolve_all<double>(surface_, tolerance_, targets, layers, advance)
+                                       : convolve_all<float>(surface_, tolerance_, targets, layers, advance);
 }
 
 }  // namespace truescatter

@@ -12,15 +12,15 @@ namespace truescatter {
 //
 // Distances are exact here too; the integrals are not. How the tolerance is spent:
 // - Tail: nothing beyond the distance where a plane's remaining mass is tolerance/10.
-// - Quadrature: a piece's distances are taken at the nodes of the cheapest rule whose errors over a plane sum
-// to at
-//   most 0.4 tolerance for the narrowest Gaussian that reaches it (gaussian_error), once for all Gaussians.
-//   Where no rule will do, the face takes the exact engine's formula, with its angular quadrature at 1e-3
-//   tolerance.
+// - Quadrature: each piece takes the cheapest rule whose errors over a plane sum to at most 0.4 tolerance
+//   (gaussian_error), with the least length over the windows that may be the shortest there. Where no rule
+//   will do, where r_max cuts a piece, and where the closed form is the cheaper, the piece takes
+//   PieceIntegral's formulas, good to 1e-7 (to rounding for tolerances below 1e-5).
 // - Kinks: where two windows cover a node and their paths arrive from directions that differ, the distance
-// has a
-//   kink somewhere near, and Gaussians lose their Taylor series. If the kink is strong enough to matter, by
-//   the bound at `kink_error`, the face takes the exact engine's formula as well.
+// has
+//   a kink somewhere near, and Gaussians lose their Taylor series. Each piece's kinks have a mean square
+//   error (PieceNodes::kink_variance); until 4 deviations of their sum are within 0.3 tolerance, the pieces
+//   that add most are divided, and then take the formula.
 class GeodesicFastEngine {
  public:
   GeodesicFastEngine(const GeodesicSurface& surface, double tolerance);

@@ -11,6 +11,12 @@ double FlatPiece::area_mm2() const {
   return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
 }
 
+double FlatPiece::radius_mm() const {
+  double radius = 0.0;
+  for (const Vec2d& corner : corners_mm) radius = std::max(radius, (corner - centroid_mm()).norm());
+  return radius;
+}
+
 GeodesicSurface::GeodesicSurface(IntrinsicMesh mesh, std::span<const GeodesicPiece> pieces)
     : mesh_(std::move(mesh)), pieces_(pieces.size()), first_(mesh_.face_count() + 1, 0) {
   largest_irradiance_ = std::numeric_limits<double>::min();

@@ -24,6 +24,9 @@ struct FlatPiece {
   int component = 0;
 
   double area_mm2() const;
+  Vec2d centroid_mm() const { return (corners_mm[0] + corners_mm[1] + corners_mm[2]) / 3.0; }
+  // From the centroid to the farthest corner.
+  double radius_mm() const;
 };
 
 // S of DESIGN section 1 as geodesics see it: the pieces of skin on each face of the scene's mesh. Paths run
@@ -36,6 +39,9 @@ class GeodesicSurface {
   std::span<const FlatPiece> pieces(std::size_t face) const {
     return std::span(pieces_).subspan(first_[face], first_[face + 1] - first_[face]);
   }
+  // All of them, face by face; those of a face begin at first_piece.
+  std::span<const FlatPiece> pieces() const { return pieces_; }
+  std::size_t first_piece(std::size_t face) const { return first_[face]; }
   // As Surface::largest_irradiance.
   double largest_irradiance() const { return largest_irradiance_; }
 

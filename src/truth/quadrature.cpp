@@ -44,4 +44,15 @@ Split RuleChooser::choose(double radius_in_std_devs) const {
   return best;
 }
 
+Split RuleChooser::finer(const Split& split, int factor) const {
+  const std::span<const TriangleRule> rules = triangle_rules();
+  const double limit = limits_[static_cast<std::size_t>(split.rule - rules.data())];
+  Split best{split.rule, factor * split.parts};
+  for (std::size_t r = 0; r < rules.size(); ++r) {
+    const Split other{&rules[r], best.parts};
+    if (factor * limits_[r] >= limit && other.node_count() < best.node_count()) best = other;
+  }
+  return best;
+}
+
 }  // namespace truescatter

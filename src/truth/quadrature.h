@@ -32,6 +32,10 @@ class RuleChooser {
   // For a triangle whose corners lie within `radius_in_std_devs` of its centroid.
   Split choose(double radius_in_std_devs) const;
 
+  // The split into `factor` times as many parts per edge with the fewest nodes that keeps the error budget
+  // wherever `split` does.
+  Split finer(const Split& split, int factor) const;
+
  private:
   std::vector<double> limits_;  // for each rule, the largest x
 };

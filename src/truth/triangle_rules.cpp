@@ -155,21 +155,32 @@ Vec4d kink_moments(std::span<const TriangleNode> nodes, const Vec3d& corner, dou
   return sum;
 }
 
-double largest_kink_error(std::span<const TriangleNode> nodes, std::span<const TriangleNode> reference) {
+struct KinkErrors {
   double largest = 0.0;
+  double rms = 0.0;
+};
+
+KinkErrors kink_errors(std::span<const TriangleNode> nodes, std::span<const TriangleNode> reference) {
   constexpr int kShapes = 8;
   constexpr int kOffsets = 24;
+  KinkErrors errors;
+  int count = 0;
   for (int i = 0; i <= kShapes; ++i) {
     const double t = -static_cast<double>(i) / kShapes;
     const Vec3d corner(1.0, t, -1.0 - t);
     for (int j = 1; j < kOffsets; ++j) {
       const double c = -1.0 + 2.0 * j / kOffsets;
+      if (c <= corner.minCoeff()) continue;
       const Vec4d e = kink_moments(nodes, corner, c) - kink_moments(reference, corner, c);
-      for (Eigen::Index k = 1; k < 4; ++k)
-        largest = std::max({largest, std::abs(e[0]), std::abs(e[k]), std::abs(e[0] - e[k])});
+      double worst = std::abs(e[0]);
+      for (Eigen::Index k = 1; k < 4; ++k) worst = std::max({worst, std::abs(e[k]), std::abs(e[0] - e[k])});
+      errors.largest = std::max(errors.largest, worst);
+      errors.rms += worst * worst;
+      ++count;
     }
   }
-  return largest;
+  errors.rms = std::max(std::sqrt(errors.rms / count), 0.25 * errors.largest);
+  return errors;
 }
 
 struct Rules {
@@ -179,9 +190,10 @@ struct Rules {
   Rules() : nodes{degree2(), degree4(), degree5(), degree6(), degree8(), degree10(), degree12()} {
     constexpr std::array<int, 7> kDegrees = {2, 4, 5, 6, 8, 10, 12};
     const std::vector<TriangleNode> reference = reference_nodes();
-    for (std::size_t r = 0; r < nodes.size(); ++r)
-      rules.push_back({kDegrees[r], taylor_errors(nodes[r], reference),
-                       largest_kink_error(nodes[r], reference), nodes[r]});
+    for (std::size_t r = 0; r < nodes.size(); ++r) {
+      const KinkErrors kinks = kink_errors(nodes[r], reference);
+      rules.push_back({kDegrees[r], taylor_errors(nodes[r], reference), kinks.largest, kinks.rms, nodes[r]});
+    }
   }
 };
 

@@ -157,6 +157,14 @@ TEST(TriangleRules, IntegrateMonomialsUpToTheirDegree) {
 
 // The bound is about Taylor terms; here whole Gaussians are integrated over a plane of triangles as large as
 // a budget allows, with the worst irradiance: at each corner 1 where that raises the error, else 0.
+// So 4 deviations of one kink's error are never exceeded.
+TEST(TriangleRules, AKinksLargestErrorIsAtMostFourDeviations) {
+  for (const TriangleRule& rule : triangle_rules()) {
+    EXPECT_LT(rule.kink_rms, rule.kink_error) << "degree " << rule.degree;
+    EXPECT_LE(rule.kink_error, 4.0 * rule.kink_rms) << "degree " << rule.degree;
+  }
+}
+
 TEST(TriangleRules, GaussianErrorBoundsAPlaneUnderTheWorstLight) {
   std::mt19937_64 generator(29);
   const HermiteMoments moments(0.0);
