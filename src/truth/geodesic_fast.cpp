@@ -15,8 +15,8 @@ namespace truescatter {
 namespace {
 
 constexpr double kTailShare = 0.1;        // of the tolerance
-constexpr double kQuadratureShare = 0.4;  // of the tolerance
-constexpr double kKinkShare = 0.3;        // of the tolerance
+constexpr double kQuadratureShare = 0.3;  // of the tolerance
+constexpr double kKinkShare = 0.5;        // of the tolerance
 // Kinks' errors have mean 0 and are independent, for where a kink lies among a part's nodes is as good as
 // random: the sum of many is normal, and 4 deviations hold but for 6e-5 of the points. 4 deviations of a
 // single one are more than its bound (TriangleRule::kink_rms).

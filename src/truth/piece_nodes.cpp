@@ -138,30 +138,31 @@ double PieceNodes<Scalar>::kink_variance(const TruthLayer& layer) const {
 template <typename Scalar>
 void PieceNodes<Scalar>::find_kinks(std::span<const GeodesicWindow* const> windows) {
   kinks_.clear();
+  if (windows.size() == 1 && windows.front()->offset_mm == 0.0) return;
   const double radius_mm = part_radius_mm_;
   const auto& c = piece_->corners_mm;
-  if (windows.size() == 1 && windows.front()->offset_mm == 0.0) return;
   for (const Vec2d& middle : nodes_->middles) {
     const Vec2d x = middle[0] * c[0] + middle[1] * c[1] + (1.0 - middle[0] - middle[1]) * c[2];
-    const auto reaches = [&](const GeodesicWindow& w) { return w.beyond_rays(x) <= radius_mm; };
-    const GeodesicWindow* owner = nullptr;
-    for (const GeodesicWindow* window : windows) {
-      if (reaches(*window) && (owner == nullptr || window->distance(x) < owner->distance(x))) owner = window;
-    }
-    if (owner == nullptr) continue;
-    const double length = owner->distance(x);
+    arrivals_.clear();
     double jump = 0.0;
+    std::size_t shortest = 0;
     for (const GeodesicWindow* window : windows) {
-      const Vec2d from_source = x - window->source;
-      if (!reaches(*window)) continue;
-      if (window->offset_mm > 0.0 && from_source.norm() < kNearSource * radius_mm)
+      if (window->beyond_rays(x) > radius_mm) continue;
+      const Vec2d along = x - window->source;
+      const double rho = along.norm();
+      if (window->offset_mm > 0.0 && rho < kNearSource * radius_mm)
         jump = std::max(jump, std::min((window->left - window->right).norm(), 2.0));
-      if (window == owner) continue;
-      const double between = (from_source.normalized() - (x - owner->source).normalized()).norm();
-      // The two lengths' difference changes by no more than that over the part, but for its curvature.
-      if (window->distance(x) - length < kCurved * between * radius_mm) jump = std::max(jump, between);
+      arrivals_.push_back({window->offset_mm + rho, rho > 0.0 ? Vec2d(along / rho) : along});
+      if (arrivals_.back().length_mm < arrivals_[shortest].length_mm) shortest = arrivals_.size() - 1;
     }
-    if (jump > 1e-9) kinks_.push_back({jump, length - radius_mm, length + radius_mm});
+    if (arrivals_.empty()) continue;
+    const Arrival* owner = &arrivals_[shortest];
+    for (const Arrival& other : arrivals_) {
+      const double between = (other.direction - owner->direction).norm();
+      // The two lengths' difference changes by no more than that over the part, but for its curvature.
+      if (other.length_mm - owner->length_mm < kCurved * between * radius_mm) jump = std::max(jump, between);
+    }
+    if (jump > 1e-9) kinks_.push_back({jump, owner->length_mm - radius_mm, owner->length_mm + radius_mm});
   }
 }
 

@@ -51,6 +51,11 @@ class PieceNodes {
     double nearest_mm;
     double farthest_mm;
   };
+  // A window's path at a place.
+  struct Arrival {
+    double length_mm;
+    Vec2d direction;
+  };
   void find_kinks(std::span<const GeodesicWindow* const> windows);
 
   const FlatPiece* piece_ = nullptr;
@@ -59,6 +64,7 @@ class PieceNodes {
   double part_radius_mm_ = 0.0;
   typename SplitNodes<Scalar>::Array squared_;  // distances
   std::vector<Kink> kinks_;                     // one for each part that has one
+  std::vector<Arrival> arrivals_;
 };
 
 }  // namespace truescatter
