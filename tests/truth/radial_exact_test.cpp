@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "profile/gaussian_mixture.h"
 #include "profile/image_sources.h"
 #include "truth/exact.h"
 
@@ -185,6 +186,29 @@ TEST(RadialExact, OfAPlaneIsTheAlbedo) {
                   1e-11);
     }
     EXPECT_EQ(engine.convolve({Vec3d(0, 0, 2.6), 0}, kernel_of(profile, 2.5)).value, Vec4d::Zero());
+  }
+}
+
+// A mixture of Gaussians stands for the profile to its bound. A shell around a point holds no more of a
+// triangle than of a plane, so over these the bound counts ten times.
+TEST(RadialExact, IsWhatAMixtureOfGaussiansConvergesTo) {
+  std::mt19937_64 generator(23);
+  Surface surface;
+  for (int i = 0; i < 10; ++i) surface.triangles.push_back(random_triangle(generator, 3.0));
+  const ExactEngine gaussians(surface);
+  const RadialExactEngine radial(surface);
+  for (const ImageSources& profile : profiles()) {
+    for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+      const GaussianMixture mixture = gaussian_mixture({profile, profile, profile}, tolerance);
+      for (const std::size_t t : {std::size_t{0}, std::size_t{7}}) {
+        const Vec3d point = point_on(surface.triangles[t], Vec3d(0.2, 0.3, 0.5));
+        Vec4d sum = Vec4d::Zero();
+        for (const GaussianLevel& level : mixture.levels)
+          sum += level.weight[0] * gaussians.convolve({point, 0}, {level.std_dev_mm()});
+        const Vec4d exact = radial.convolve({point, 0}, kernel_of(profile)).value;
+        EXPECT_LE((sum - exact).cwiseAbs().maxCoeff(), 10.0 * mixture.error_bound[0] + 1e-12) << tolerance;
+      }
+    }
   }
 }
 
