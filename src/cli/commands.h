@@ -25,7 +25,8 @@ struct TruthArguments {
   std::filesystem::path points;
   std::filesystem::path mask;  // empty: every triangle
   std::filesystem::path out;
-  std::string sigma;  // comma-separated
+  std::string sigma;          // comma-separated; empty: fit
+  std::filesystem::path fit;  // a sum of Gaussians in place of sigma
   std::string metric;
   std::string engine;     // empty: fast, or exact where that is set
   std::string r_max;      // empty: not cut

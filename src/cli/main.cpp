@@ -54,7 +54,9 @@ int dispatch(int argc, char** argv) {
   truth->add_option("--irradiance", truth_arguments.irradiance, "CSV r,g,b: a row per vertex of the file")
       ->required();
   truth->add_option("--points", truth_arguments.points, "CSV face,b0,b1,b2: faces count from 0")->required();
-  truth->add_option("--sigma", truth_arguments.sigma, "Standard deviations in mm: 0.5,1,2")->required();
+  truth->add_option("--sigma", truth_arguments.sigma, "Standard deviations in mm: 0.5,1,2");
+  truth->add_option("--fit", truth_arguments.fit,
+                    "JSON with variances (mm^2) and weights: their sum, in place of --sigma");
   truth->add_option("--metric", truth_arguments.metric, "euclidean or geodesic (default: euclidean)");
   truth->add_option("--r-max", truth_arguments.r_max, "Cut the kernel off at this distance in mm");
   truth->add_option("--engine", truth_arguments.engine,
@@ -67,7 +69,11 @@ int dispatch(int argc, char** argv) {
   truth->add_option("--mask", truth_arguments.mask, "CSV of one 0 or 1 (skin) per triangle");
   truth->add_option("--jobs", truth_arguments.jobs, "Threads (default: all cores)")
       ->check(CLI::Range(1, 4096));
-  truth->add_option("--out", truth_arguments.out, "CSV point,sigma,r,g,b,mass to write")->required();
+  truth
+      ->add_option(
+          "--out", truth_arguments.out,
+          "CSV to write: point,sigma,r,g,b,mass, or with --fit point,r,g,b,normalised_r,...,mass_r,...")
+      ->required();
 
   CompareArguments compare_arguments;
   CLI::App* compare = app.add_subcommand(

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "core/parallel.h"
 #include "core/parse_number.h"
 #include "core/progress.h"
+#include "experiment/fit_file.h"
 #include "experiment/truth_files.h"
 #include "truth/brute.h"
 #include "truth/exact.h"
@@ -33,6 +36,7 @@ struct TruthRequest {
   bool geodesic = false;
   double tolerance = 0.0;
   std::vector<TruthLayer> layers;
+  std::vector<GaussianLevel> fit;  // of each layer; empty: layers stand for themselves
 };
 
 SourceLocation option(const std::string& name) { return {"--" + name, 0, 0}; }
@@ -43,9 +47,14 @@ double positive(std::string_view text, const std::string& name, std::string_view
   return value;
 }
 
+double r_max_of(const TruthArguments& arguments) {
+  return arguments.r_max.empty() ? std::numeric_limits<double>::infinity()
+                                 : positive(arguments.r_max, "r-max", "a cut-off in mm");
+}
+
+// One layer for each of --sigma.
 std::vector<TruthLayer> layers_of(const TruthArguments& arguments) {
-  TruthLayer layer;
-  if (!arguments.r_max.empty()) layer.r_max_mm = positive(arguments.r_max, "r-max", "a cut-off in mm");
+  TruthLayer layer{0.0, r_max_of(arguments)};
   std::vector<TruthLayer> layers;
   std::string_view rest = arguments.sigma;
   while (true) {
@@ -62,6 +71,28 @@ std::vector<TruthLayer> layers_of(const TruthArguments& arguments) {
     if (comma == std::string_view::npos) return layers;
     rest.remove_prefix(comma + 1);
   }
+}
+
+// One layer for each Gaussian of --fit.
+std::vector<TruthLayer> layers_of(const TruthArguments& arguments, std::span<const GaussianLevel> fit) {
+  std::vector<TruthLayer> layers;
+  for (const GaussianLevel& level : fit) {
+    if (level.std_dev_mm() < kSmallestStdDev || level.std_dev_mm() > kLargestStdDev) {
+      throw_input_error({arguments.fit.string()}, "variances[{}] is {}: it must be {} to {} mm^2",
+                        layers.size(), level.variance_mm2, kSmallestStdDev * kSmallestStdDev,
+                        kLargestStdDev * kLargestStdDev);
+    }
+    layers.push_back({level.std_dev_mm(), r_max_of(arguments)});
+  }
+  return layers;
+}
+
+void set_layers(const TruthArguments& arguments, TruthRequest& request) {
+  if (arguments.sigma.empty() && arguments.fit.empty()) throw_input_error({}, "--sigma or --fit is required");
+  if (!arguments.sigma.empty() && !arguments.fit.empty())
+    throw_input_error({}, "--sigma and --fit contradict each other: each says which Gaussians");
+  if (!arguments.fit.empty()) request.fit = read_fit(arguments.fit);
+  request.layers = arguments.fit.empty() ? layers_of(arguments) : layers_of(arguments, request.fit);
 }
 
 std::string one_of(const std::string& value, const std::string& name, const std::vector<std::string>& known) {
@@ -96,17 +127,43 @@ Engine engine_of(const TruthArguments& arguments) {
   return name == "brute" ? Engine::brute : Engine::fast;
 }
 
-double tolerance_of(const TruthArguments& arguments, Engine engine) {
-  if (arguments.tolerance.empty()) return engine == Engine::brute ? 1e-10 : 1e-4;
+// What each engine can promise in double precision.
+double smallest_tolerance(const TruthRequest& request) {
+  switch (request.engine) {
+    case Engine::fast:
+      return request.geodesic ? 1e-7 : 1e-9;
+    case Engine::brute:
+      return 1e-13;
+    case Engine::exact:
+      return 0.0;
+  }
+  std::abort();
+}
+
+double tolerance_of(const TruthArguments& arguments, const TruthRequest& request) {
+  if (arguments.tolerance.empty()) return request.engine == Engine::brute ? 1e-10 : 1e-4;
   const double tolerance = positive(arguments.tolerance, "tolerance", "a tolerance");
-  // What each engine can promise in double precision.
-  const double fast = is_geodesic(arguments) ? 1e-7 : 1e-9;
-  const double smallest = engine == Engine::fast ? fast : (engine == Engine::brute ? 1e-13 : 0.0);
+  const double smallest = smallest_tolerance(request);
   if (tolerance < smallest || tolerance > 0.1) {
     throw_input_error(option("tolerance"), "{} is out of range: with this engine it is {} to 0.1", tolerance,
                       smallest);
   }
   return tolerance;
+}
+
+// A weighted sum errs by at most the sum of |weights| times what a Gaussian does: each is computed to so much
+// less that the sum keeps to the tolerance.
+double tolerance_of_each(const TruthRequest& request) {
+  Vec3d weights = Vec3d::Zero();
+  for (const GaussianLevel& level : request.fit) weights += level.weight.cwiseAbs();
+  const double each = request.tolerance / std::max(1.0, weights.maxCoeff());
+  if (each < smallest_tolerance(request)) {
+    throw_input_error(option("tolerance"),
+                      "{} is out of reach: the fit's weights sum to {} in magnitude, and with this engine a "
+                      "Gaussian is good to {}",
+                      request.tolerance, weights.maxCoeff(), smallest_tolerance(request));
+  }
+  return each;
 }
 
 // Found out before the computing, not after it.
@@ -179,12 +236,15 @@ int truth(const TruthArguments& arguments) {
   TruthRequest request;
   request.engine = engine_of(arguments);
   request.geodesic = is_geodesic(arguments);
-  request.tolerance = tolerance_of(arguments, request.engine);
-  request.layers = layers_of(arguments);
+  request.tolerance = tolerance_of(arguments, request);
+  set_layers(arguments, request);
+  request.tolerance = tolerance_of_each(request);
   check_out(arguments.out);
   const TruthProblem problem =
       read_truth_problem({arguments.mesh, arguments.irradiance, arguments.points, arguments.mask});
-  write_text_file(arguments.out, truth_csv(request.layers, compute(problem, request)));
+  const TruthValues values = compute(problem, request);
+  write_text_file(arguments.out, request.fit.empty() ? truth_csv(request.layers, values)
+                                                     : fit_truth_csv(request.fit, values));
   fmt::print("{}\n", arguments.out.string());
   return 0;
 }

@@ -156,4 +156,29 @@ std::string truth_csv(std::span<const TruthLayer> layers, const TruthValues& val
   return text;
 }
 
+std::string fit_truth_csv(std::span<const GaussianLevel> levels, const TruthValues& values) {
+  std::string text = "point,r,g,b,normalised_r,normalised_g,normalised_b,mass_r,mass_g,mass_b\n";
+  const std::size_t points = levels.empty() ? 0 : values.front().size();
+  for (std::size_t i = 0; i < points; ++i) {
+    Vec3d raw = Vec3d::Zero();
+    Vec3d normalised = Vec3d::Zero();
+    Vec3d mass = Vec3d::Zero();
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      const Vec4d& value = values[l][i];
+      const Vec3d light = levels[l].weight.cwiseProduct(value.head<3>());
+      raw += light;
+      if (value[3] > 0.0) normalised += light / value[3];
+      mass += levels[l].weight * value[3];
+    }
+    if (!raw.allFinite() || !normalised.allFinite() || !mass.allFinite())
+      throw_run_error("the truth at point {} is not a finite number", i);
+    fmt::format_to(std::back_inserter(text), "{}", i);
+    for (const Vec3d& rgb : {raw, normalised, mass}) {
+      fmt::format_to(std::back_inserter(text), ",{:.17g},{:.17g},{:.17g}", rgb.x(), rgb.y(), rgb.z());
+    }
+    text += '\n';
+  }
+  return text;
+}
+
 }  // namespace truescatter

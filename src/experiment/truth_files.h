@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "irradiance/mesh_point.h"
+#include "profile/profile.h"
 #include "scene/mesh.h"
 #include "truth/surface.h"
 
@@ -39,5 +40,11 @@ TruthProblem read_truth_problem(const TruthFiles& files);
 // raw values, 17 significant digits. `values` as the engines return them; Error (run) where one is not
 // finite.
 std::string truth_csv(std::span<const TruthLayer> layers, const TruthValues& values);
+
+// OUT.csv of a sum of Gaussians w_i: header point,r,g,b,normalised_r,...,mass_r,...; one row per point, of
+// sum w_i M_i, sum w_i M_i / m_i and sum w_i m_i per channel, 17 significant digits. A Gaussian whose mass is
+// 0 (none of the point's component lies in its reach) adds nothing to the normalised sum. `values` of one
+// layer per level; Error (run) where a result is not finite.
+std::string fit_truth_csv(std::span<const GaussianLevel> levels, const TruthValues& values);
 
 }  // namespace truescatter

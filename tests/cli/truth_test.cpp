@@ -451,14 +451,77 @@ TEST_F(CliTruth, GeodesicMassAtACubesCorner) {
   for (const Row& row : found) EXPECT_NEAR(row.mass, 0.918316175058, 1e-12);
 }
 
+// Two Gaussians of signed weights: sum w M, sum w M / m and sum w m of what --sigma gives for each, on either
+// metric and by every engine. Sums of a few doubles: 1e-14. Where an engine keeps to a tolerance, each
+// Gaussian is computed to that over 1.75, the largest sum of |weights|.
+TEST_F(CliTruth, AFitIsTheWeightedSum) {
+  Files files = grid(12);
+  for (int i = 0; i < 6; ++i) files.points.emplace_back(47 * i, Vec3d(0.2, 0.1 + 0.02 * i, 0.7 - 0.02 * i));
+  write(files);
+  folder_.write("fit.json", R"({"variances": [0.25, 2.25], "albedo": [1, 1, 1],
+      "weights": [[0.5, 1, -0.25], [0.25, 0.75, 1]]})");
+  const std::array<Vec3d, 2> weights = {Vec3d(0.5, 1, -0.25), Vec3d(0.25, 0.75, 1)};
+  const std::map<std::string, std::vector<std::string>> engines = {{"euclidean", {"fast", "exact", "brute"}},
+                                                                   {"geodesic", {"fast", "exact"}}};
+  for (const auto& [metric, names] : engines) {
+    for (const std::string& engine : names) {
+      std::map<std::string, std::string> options = {
+          {"--metric", metric}, {"--engine", engine}, {"--r-max", "2.5"}};
+      const double tolerance = 1e-5;
+      if (engine != "exact") options["--tolerance"] = number(tolerance / 1.75);
+      options["--sigma"] = "0.5,1.5";
+      const std::vector<Row> each = rows(options, false);
+      options["--sigma"] = "";
+      options["--fit"] = "fit.json";
+      if (engine != "exact") options["--tolerance"] = number(tolerance);
+      const ProgramResult result = truth(options);
+      ASSERT_EQ(result.exit_code, 0) << result.err;
+      std::istringstream lines(text("o.csv"));
+      std::string line;
+      std::getline(lines, line);
+      EXPECT_EQ(line, "point,r,g,b,normalised_r,normalised_g,normalised_b,mass_r,mass_g,mass_b");
+      for (std::size_t i = 0; i < files.points.size(); ++i) {
+        ASSERT_TRUE(std::getline(lines, line));
+        std::istringstream cells(line);
+        std::size_t point = 0;
+        cells >> point;
+        EXPECT_EQ(point, i);
+        const Row& a = each[2 * i];
+        const Row& b = each[2 * i + 1];
+        const Vec3d raw = weights[0].cwiseProduct(a.rgb) + weights[1].cwiseProduct(b.rgb);
+        const Vec3d normalised =
+            weights[0].cwiseProduct(a.rgb) / a.mass + weights[1].cwiseProduct(b.rgb) / b.mass;
+        const Vec3d mass = weights[0] * a.mass + weights[1] * b.mass;
+        for (const Vec3d& expected : {raw, normalised, mass}) {
+          for (int c = 0; c < 3; ++c) {
+            char comma = 0;
+            double value = 0.0;
+            cells >> comma >> value;
+            EXPECT_NEAR(value, expected[c], 1e-14) << metric << " " << engine << ": " << line;
+          }
+        }
+      }
+      EXPECT_FALSE(std::getline(lines, line));
+    }
+  }
+}
+
 TEST_F(CliTruth, RefusesWrongUsage) {
   Files files = half_plane();
   files.points = {{0, kThird}};
   write(files);
+  folder_.write("tiny.json", R"({"variances": [1e-20], "weights": [[1, 1, 1]]})");
+  folder_.write("heavy.json", R"({"variances": [1, 2], "weights": [[-1, 0, 0], [3, 0, 0]]})");
   using Options = std::map<std::string, std::string>;
   const std::vector<std::pair<Options, std::string>> table = {
       {{{"--mesh", ""}}, "--mesh is required"},
-      {{{"--sigma", ""}}, "--sigma is required"},
+      {{{"--sigma", ""}}, "truescatter: --sigma or --fit is required\n"},
+      {{{"--fit", "fit.json"}}, "--sigma and --fit contradict each other"},
+      {{{"--sigma", ""}, {"--fit", "none.json"}}, "none.json: no such file"},
+      {{{"--sigma", ""}, {"--fit", "p.csv"}}, "p.csv:1:3: this is no JSON"},
+      {{{"--sigma", ""}, {"--fit", "tiny.json"}}, "tiny.json: variances[0] is 1e-20: it must be 1e-18"},
+      {{{"--sigma", ""}, {"--fit", "heavy.json"}, {"--tolerance", "1e-9"}},
+       "--tolerance: 1e-09 is out of reach: the fit's weights sum to 4 in magnitude"},
       {{{"--mesh", "none.obj"}}, "none.obj: there is no such file"},
       {{{"--irradiance", "none.csv"}}, "none.csv: no such file"},
       {{{"--points", "none.csv"}}, "none.csv: no such file"},
