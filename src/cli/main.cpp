@@ -60,12 +60,13 @@ int dispatch(int argc, char** argv) {
   truth->add_option("--metric", truth_arguments.metric, "euclidean or geodesic (default: euclidean)");
   truth->add_option("--r-max", truth_arguments.r_max, "Cut the kernel off at this distance in mm");
   truth->add_option("--engine", truth_arguments.engine,
-                    "fast, exact (closed form), brute (plain quadrature) or cgal (default: fast)");
+                    "fast, exact (closed form), brute (plain quadrature) or cgal (the same with geodesic "
+                    "distances by CGAL) (default: fast)");
   truth->add_flag("--exact", truth_arguments.exact, "Short for --engine exact");
   truth->add_option(
       "--tolerance", truth_arguments.tolerance,
-      "Largest error, in units of the largest irradiance (default: fast 1e-4, brute 1e-10; exact "
-      "goes to rounding)");
+      "Largest error, in units of the largest irradiance (default: fast 1e-4, brute 1e-10, geodesic brute "
+      "and cgal 1e-6; exact goes to rounding)");
   truth->add_option("--mask", truth_arguments.mask, "CSV of one 0 or 1 (skin) per triangle");
   truth->add_option("--jobs", truth_arguments.jobs, "Threads (default: all cores)")
       ->check(CLI::Range(1, 4096));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "truth/brute.h"
 #include "truth/exact.h"
 #include "truth/fast.h"
+#include "truth/geodesic_brute.h"
 #include "truth/geodesic_exact.h"
 #include "truth/geodesic_fast.h"
 
@@ -29,7 +31,7 @@ namespace {
 constexpr double kSmallestStdDev = 1e-9;
 constexpr double kLargestStdDev = 1e9;
 
-enum class Engine { fast, exact, brute };
+enum class Engine { fast, exact, brute, cgal };
 
 struct TruthRequest {
   Engine engine = Engine::fast;
@@ -115,15 +117,11 @@ Engine engine_of(const TruthArguments& arguments) {
     throw_input_error(
         {}, "--exact and --engine {} contradict each other: --exact is short for --engine exact", name);
   }
-  const bool geodesic = is_geodesic(arguments);
-  if (name == "cgal" && !geodesic) {
+  if (name == "cgal" && !is_geodesic(arguments)) {
     throw_input_error(option("engine"), "cgal computes geodesic distances: it needs --metric geodesic");
   }
-  if (geodesic && (name == "brute" || name == "cgal")) {
-    throw_input_error(option("engine"),
-                      "{} is not in this version with --metric geodesic; fast and exact are", name);
-  }
   if (name == "exact") return Engine::exact;
+  if (name == "cgal") return Engine::cgal;
   return name == "brute" ? Engine::brute : Engine::fast;
 }
 
@@ -133,15 +131,22 @@ double smallest_tolerance(const TruthRequest& request) {
     case Engine::fast:
       return request.geodesic ? 1e-7 : 1e-9;
     case Engine::brute:
-      return 1e-13;
+      return request.geodesic ? 1e-9 : 1e-13;
+    case Engine::cgal:
+      return 1e-9;
     case Engine::exact:
       return 0.0;
   }
   std::abort();
 }
 
+double default_tolerance(const TruthRequest& request) {
+  if (request.engine == Engine::fast || request.engine == Engine::exact) return 1e-4;
+  return request.geodesic ? 1e-6 : 1e-10;
+}
+
 double tolerance_of(const TruthArguments& arguments, const TruthRequest& request) {
-  if (arguments.tolerance.empty()) return request.engine == Engine::brute ? 1e-10 : 1e-4;
+  if (arguments.tolerance.empty()) return default_tolerance(request);
   const double tolerance = positive(arguments.tolerance, "tolerance", "a tolerance");
   const double smallest = smallest_tolerance(request);
   if (tolerance < smallest || tolerance > 0.1) {
@@ -175,16 +180,26 @@ void check_out(const std::filesystem::path& out) {
     throw_input_error({out.string()}, "is a folder; the name of a file is needed");
 }
 
-// The engine's single-point function at every point, in parallel.
-template <typename OneEngine>
-TruthValues convolve_each(const OneEngine& engine, std::span<const SurfacePoint> points,
-                          std::span<const TruthLayer> layers, Progress& progress) {
-  TruthValues values(layers.size(), std::vector<Vec4d>(points.size()));
-  parallel_for(points.size(), [&](std::size_t i) {
-    for (std::size_t l = 0; l < layers.size(); ++l) values[l][i] = engine.convolve(points[i], layers[l]);
-    progress.advance(layers.size());
+// one(i) gives every layer at point i, in parallel: [layer][point].
+template <typename One>
+TruthValues convolve_each(std::size_t points, std::size_t layers, const One& one, Progress& progress) {
+  TruthValues values(layers, std::vector<Vec4d>(points));
+  parallel_for(points, [&](std::size_t i) {
+    const std::vector<Vec4d> sums = one(i);
+    for (std::size_t l = 0; l < layers; ++l) values[l][i] = sums[l];
+    progress.advance(layers);
   });
   return values;
+}
+
+// The engine's single-point function for every layer.
+template <typename OneEngine>
+auto every_layer(const OneEngine& engine, const TruthProblem& problem, const TruthRequest& request) {
+  return [&engine, &problem, &request](std::size_t i) {
+    std::vector<Vec4d> sums;
+    for (const TruthLayer& layer : request.layers) sums.push_back(engine.convolve(problem.points[i], layer));
+    return sums;
+  };
 }
 
 TruthValues compute_geodesic(const TruthProblem& problem, const TruthRequest& request) {
@@ -206,8 +221,20 @@ TruthValues compute_geodesic(const TruthProblem& problem, const TruthRequest& re
   Progress progress(
       fmt::format("geodesic truth of {} points, {} Gaussians", targets.size(), request.layers.size()),
       targets.size() * request.layers.size());
-  return GeodesicFastEngine(surface, request.tolerance)
-      .convolve(targets, request.layers, [&](std::size_t steps) { progress.advance(steps); });
+  if (request.engine == Engine::fast) {
+    return GeodesicFastEngine(surface, request.tolerance)
+        .convolve(targets, request.layers, [&](std::size_t steps) { progress.advance(steps); });
+  }
+  const std::optional<CgalGeodesics> cgal =
+      request.engine == Engine::cgal
+          ? std::make_optional<CgalGeodesics>(problem.mesh.positions_mm, problem.mesh.triangles)
+          : std::nullopt;
+  const GeodesicBruteEngine engine(
+      surface, cgal ? distances_by_cgal(surface.mesh(), *cgal) : distances_by_windows(surface.mesh()),
+      request.tolerance);
+  return convolve_each(
+      targets.size(), request.layers.size(),
+      [&](std::size_t i) { return engine.convolve(targets[i], request.layers); }, progress);
 }
 
 TruthValues compute(const TruthProblem& problem, const TruthRequest& request) {
@@ -221,10 +248,16 @@ TruthValues compute(const TruthProblem& problem, const TruthRequest& request) {
       return FastEngine(problem.surface, request.tolerance).convolve(points, layers, [&](std::size_t steps) {
         progress.advance(steps);
       });
-    case Engine::exact:
-      return convolve_each(ExactEngine(problem.surface), points, layers, progress);
-    case Engine::brute:
-      return convolve_each(BruteEngine(problem.surface, request.tolerance), points, layers, progress);
+    case Engine::exact: {
+      const ExactEngine engine(problem.surface);
+      return convolve_each(points.size(), layers.size(), every_layer(engine, problem, request), progress);
+    }
+    case Engine::brute: {
+      const BruteEngine engine(problem.surface, request.tolerance);
+      return convolve_each(points.size(), layers.size(), every_layer(engine, problem, request), progress);
+    }
+    case Engine::cgal:
+      break;  // refused with this metric
   }
   std::abort();
 }

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "scene/mesh.h"
+#include "truth/line_rule.h"
 
 namespace truescatter {
 namespace {
@@ -18,35 +19,6 @@ namespace {
 constexpr double kTailShare = 0.01;    // of the tolerance
 constexpr int kDeepestCut = 100;       // halvings of an edge until it is short against s and the cut
 constexpr int kDeepestRefinement = 8;  // and until the rules agree
-
-// Nodes and weights on [0, 1]: the roots of the Legendre polynomial by Newton's method.
-struct LineRule {
-  std::vector<double> nodes;
-  std::vector<double> weights;
-
-  explicit LineRule(int n) {
-    for (int i = 0; i < n; ++i) {
-      double x = std::cos(kPi * (i + 0.75) / (n + 0.5));
-      double slope = 1.0;
-      for (int iteration = 0; iteration < 20; ++iteration) {
-        double below = 1.0;
-        double value = x;
-        for (int k = 2; k <= n; ++k) {
-          below = std::exchange(value, ((2 * k - 1) * x * value - (k - 1) * below) / k);
-        }
-        slope = n * (x * value - below) / (x * x - 1.0);
-        x -= value / slope;
-      }
-      nodes.push_back(0.5 * (1.0 + x));
-      weights.push_back(1.0 / ((1.0 - x * x) * slope * slope));
-    }
-  }
-};
-
-const std::array<LineRule, 3>& line_rules() {
-  static const std::array<LineRule, 3> rules = {LineRule(3), LineRule(5), LineRule(8)};
-  return rules;
-}
 
 struct Triangle {
   Vec3d a;
@@ -216,9 +188,9 @@ class TriangleIntegral {
   template <typename Part>
   std::optional<Vec4d> agreed(const Part& part, double area) const {
     const Vec4d allowed = area * (tolerance_per_mm2_ * unit_ + rounding_per_mm2_ * Vec4d(1.0, 1.0, 1.0, 0.0));
-    Vec4d coarse = integral(part, line_rules()[0]);
-    for (std::size_t k = 1; k < line_rules().size(); ++k) {
-      const Vec4d fine = integral(part, line_rules()[k]);
+    Vec4d coarse = integral(part, brute_rules()[0]);
+    for (std::size_t k = 1; k < brute_rules().size(); ++k) {
+      const Vec4d fine = integral(part, brute_rules()[k]);
       if (((fine - coarse).cwiseAbs().array() <= allowed.array()).all()) return fine;
       coarse = fine;
     }

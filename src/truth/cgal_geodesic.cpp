@@ -28,6 +28,17 @@ struct CgalGeodesics::Impl {
   std::vector<SurfaceMesh::Face_index> faces;
   std::vector<std::size_t> first_corner;  // of each triangle, the corner that CGAL counts from
 
+  Vec3d position_mm(const MeshPoint& point) const {
+    Vec3d sum = Vec3d::Zero();
+    SurfaceMesh::Halfedge_index corner = mesh.halfedge(faces[point.triangle]);
+    for (std::size_t i = 0; i < 3; ++i, corner = mesh.next(corner)) {
+      const Kernel::Point_3& at = mesh.point(mesh.source(corner));
+      const auto given = static_cast<Eigen::Index>((first_corner[point.triangle] + i) % 3);
+      sum += point.barycentric[given] * Vec3d(at.x(), at.y(), at.z());
+    }
+    return sum;
+  }
+
   // CGAL's coordinates count from the source of a face's halfedge, not from the corner that was given first.
   ShortestPath::Barycentric_coordinates coordinates(const MeshPoint& point) const {
     Vec3d b = point.barycentric.cwiseMax(kLeastBarycentric);
@@ -73,19 +84,40 @@ CgalGeodesics::CgalGeodesics(std::span<const Vec3d> positions_mm,
 
 CgalGeodesics::~CgalGeodesics() = default;
 
+struct CgalGeodesics::From::Impl {
+  const CgalGeodesics::Impl& geodesics;
+  MeshPoint source;
+  ShortestPath paths;
+
+  Impl(const CgalGeodesics::Impl& of, const MeshPoint& from) : geodesics(of), source(from), paths(of.mesh) {
+    paths.add_source_point(of.faces[source.triangle], of.coordinates(source));
+    paths.build_sequence_tree();
+  }
+};
+
+CgalGeodesics::From::From(const CgalGeodesics& geodesics, const MeshPoint& source)
+    : impl_(std::make_unique<Impl>(*geodesics.impl_, source)) {}
+
+CgalGeodesics::From::~From() = default;
+CgalGeodesics::From::From(From&&) noexcept = default;
+
+double CgalGeodesics::From::distance_mm(const MeshPoint& target) const {
+  if (target.triangle == impl_->source.triangle) {
+    return (impl_->geodesics.position_mm(target) - impl_->geodesics.position_mm(impl_->source)).norm();
+  }
+  const double distance = impl_->paths
+                              .shortest_distance_to_source_points(impl_->geodesics.faces[target.triangle],
+                                                                  impl_->geodesics.coordinates(target))
+                              .first;
+  return distance < 0.0 ? std::numeric_limits<double>::infinity() : distance;
+}
+
 std::vector<double> CgalGeodesics::distances_mm(const MeshPoint& source,
                                                 std::span<const MeshPoint> targets) const {
-  ShortestPath paths(impl_->mesh);
-  paths.add_source_point(impl_->faces[source.triangle], impl_->coordinates(source));
-  paths.build_sequence_tree();
+  const From from(*this, source);
   std::vector<double> distances;
   distances.reserve(targets.size());
-  for (const MeshPoint& target : targets) {
-    const double distance =
-        paths.shortest_distance_to_source_points(impl_->faces[target.triangle], impl_->coordinates(target))
-            .first;
-    distances.push_back(distance < 0.0 ? std::numeric_limits<double>::infinity() : distance);
-  }
+  for (const MeshPoint& target : targets) distances.push_back(from.distance_mm(target));
   return distances;
 }
 

@@ -451,6 +451,40 @@ TEST_F(CliTruth, GeodesicMassAtACubesCorner) {
   for (const Row& row : found) EXPECT_NEAR(row.mass, 0.918316175058, 1e-12);
 }
 
+// On rough ground, part of which is no skin: plain quadrature, with distances of either kind, and the
+// formula. The second opinions keep to 1e-6 by default; beyond their reach lies a hundredth of that.
+TEST_F(CliTruth, GeodesicSecondOpinionsAgree) {
+  Files files = grid(5);
+  for (std::size_t v = 0; v < files.vertices.size(); ++v)
+    files.vertices[v].z() = 0.8 * std::sin(2.1 * static_cast<double>(v * v % 17));
+  files.points = {{3, kThird}, {22, Vec3d(0, 0.4, 0.6)}, {25, Vec3d(0, 1, 0)}};
+  write(files);
+  std::string mask;
+  for (std::size_t f = 0; f < files.faces.size(); ++f) mask += f % 10 < 7 ? "1\n" : "0\n";
+  folder_.write("mask.csv", mask);
+  for (const std::string& r_max : std::vector<std::string>{"", "1.3"}) {
+    std::map<std::string, std::string> options = {
+        {"--metric", "geodesic"}, {"--sigma", "0.3,1"}, {"--mask", "mask.csv"}, {"--r-max", r_max}};
+    const std::vector<Row> exact = rows(options);
+    ASSERT_EQ(exact.size(), 6U);
+    for (const char* engine : {"brute", "cgal"}) {
+      options["--engine"] = engine;
+      options["--jobs"] = "1";
+      const std::vector<Row> found = rows(options, false);
+      const std::string one = text("o.csv");
+      options["--jobs"] = "3";
+      rows(options, false);
+      EXPECT_EQ(text("o.csv"), one) << engine;
+      ASSERT_EQ(found.size(), exact.size());
+      for (std::size_t i = 0; i < exact.size(); ++i) {
+        EXPECT_NEAR(found[i].mass, exact[i].mass, 1.1e-6) << engine << " " << i;
+        // The largest irradiance is 1.25.
+        EXPECT_LE((found[i].rgb - exact[i].rgb).cwiseAbs().maxCoeff(), 1.25 * 1.1e-6) << engine << " " << i;
+      }
+    }
+  }
+}
+
 // Two Gaussians of signed weights: sum w M, sum w M / m and sum w m of what --sigma gives for each, on either
 // metric and by every engine. Sums of a few doubles: 1e-14. Where an engine keeps to a tolerance, each
 // Gaussian is computed to that over 1.75, the largest sum of |weights|.
@@ -461,8 +495,8 @@ TEST_F(CliTruth, AFitIsTheWeightedSum) {
   folder_.write("fit.json", R"({"variances": [0.25, 2.25], "albedo": [1, 1, 1],
       "weights": [[0.5, 1, -0.25], [0.25, 0.75, 1]]})");
   const std::array<Vec3d, 2> weights = {Vec3d(0.5, 1, -0.25), Vec3d(0.25, 0.75, 1)};
-  const std::map<std::string, std::vector<std::string>> engines = {{"euclidean", {"fast", "exact", "brute"}},
-                                                                   {"geodesic", {"fast", "exact"}}};
+  const std::map<std::string, std::vector<std::string>> engines = {
+      {"euclidean", {"fast", "exact", "brute"}}, {"geodesic", {"fast", "exact", "brute", "cgal"}}};
   for (const auto& [metric, names] : engines) {
     for (const std::string& engine : names) {
       std::map<std::string, std::string> options = {
@@ -545,7 +579,10 @@ TEST_F(CliTruth, RefusesWrongUsage) {
       {{{"--engine", "slow"}}, "--engine: \"slow\" is not known; there are: fast, exact, brute, cgal"},
       {{{"--engine", "cgal"}}, "--engine: cgal computes geodesic distances: it needs --metric geodesic"},
       {{{"--metric", "manhattan"}}, "--metric: \"manhattan\" is not known; there are: euclidean, geodesic"},
-      {{{"--metric", "geodesic"}, {"--engine", "brute"}}, "--engine: brute is not in this version with"},
+      {{{"--metric", "geodesic"}, {"--engine", "brute"}, {"--tolerance", "1e-10"}},
+       "--tolerance: 1e-10 is out of range: with this engine it is 1e-09 to 0.1"},
+      {{{"--metric", "geodesic"}, {"--engine", "cgal"}, {"--tolerance", "1e-10"}},
+       "--tolerance: 1e-10 is out of range: with this engine it is 1e-09 to 0.1"},
       {{{"--jobs", "0"}}, "--jobs"},
       {{{"--out", "none/o.csv"}}, "none/o.csv: cannot be written: there is no folder none"},
       {{{"--out", "."}}, "is a folder; the name of a file is needed"},
