@@ -14,6 +14,7 @@ constexpr double kSame = 1e-11;
 // A source this close to a corner, in barycentric coordinates, lies on it: rays round it would have no
 // direction.
 constexpr double kOnVertex = 1e-12;
+constexpr double kSameAngle = 1e-12;
 // An interval narrower than this share of its edge is within the rounding of its ends.
 constexpr double kNarrow = 1e-14;
 
@@ -373,7 +374,10 @@ void GeodesicField::emit_wedge(int vertex, double offset_mm, double from, double
     for (const double turn : {-v.angle, 0.0, v.angle}) {
       if (v.open && turn != 0.0) continue;
       const double low = std::max(from + turn - begin, 0.0);
-      const double high = std::min(to + turn - begin, width);
+      double high = std::min(to + turn - begin, width);
+      // The end of an open fan is its last face's edge, and rounding must not part the two: paths along a
+      // boundary edge would be lost, and all that lies behind its far end.
+      if (high > width - kSameAngle) high = width;
       if (!(high > low)) continue;
       const Vec2d& s = mesh_.corner(f, j);
       const Vec2d& b = mesh_.corner(f, next(j));

@@ -263,6 +263,27 @@ TEST(GeodesicField, DistancesAreCgals) {
   }
 }
 
+// An L of three squares, its sides on open boundaries: paths from one end run along a boundary edge to the
+// inner corner and round it. Rounding of the fans' angles must not lose them, whatever the lengths.
+TEST(GeodesicField, PathsFollowBoundaryEdges) {
+  const std::vector<std::array<int, 3>> triangles = {{0, 1, 4}, {4, 3, 0}, {1, 2, 5},
+                                                     {5, 4, 1}, {3, 4, 7}, {7, 6, 3}};
+  std::mt19937_64 generator(23);
+  for (int i = 0; i < 300; ++i) {
+    std::vector<Vec3d> positions_mm = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0},
+                                       {1, 1, 0}, {2, 1, 0}, {0, 2, 0}, {1, 2, 0}};
+    for (Vec3d& p : positions_mm)
+      p += 0.3 * Vec3d(uniform(generator) - 0.5, uniform(generator) - 0.5, uniform(generator) - 0.5);
+    const IntrinsicMesh mesh(positions_mm, triangles);
+    GeodesicField field(mesh);
+    field.propagate({4, Vec3d::UnitZ()}, 20.0);
+    const MeshPoint target{2, {0.1, 0.7, 0.2}};
+    const double expected =
+        CgalGeodesics(positions_mm, triangles).distances_mm({4, Vec3d::UnitZ()}, std::span(&target, 1))[0];
+    EXPECT_NEAR(field.distance(2, flat_position(mesh, {2, target.barycentric})), expected, 1e-10) << i;
+  }
+}
+
 // What cannot be unfolded is refused by name.
 TEST(IntrinsicMesh, RefusesWhatHasNoOneAnswer) {
   const auto message = [](const Soup& soup) -> std::string {
