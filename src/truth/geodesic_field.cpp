@@ -43,72 +43,6 @@ double meets_at(const Vec2d& s, const Vec2d& d, const Vec2d& a, const Vec2d& b) 
   return difference == 0.0 ? 0.0 : std::clamp(at_a / difference, 0.0, 1.0);
 }
 
-// Two bundles of paths that cross one edge, a + t ab, from the same side: where `mine` is the longer.
-class EdgeDuel {
- public:
-  EdgeDuel(const GeodesicWindow& mine, const GeodesicWindow& other, const Vec2d& a, const Vec2d& ab,
-           double slack)
-      : mine_(mine), other_(other), a_(a), ab_(ab), slack_(slack) {}
-
-  // By how much, beyond the slack.
-  double loss_at(double t) const {
-    const Vec2d x = a_ + t * ab_;
-    return mine_.distance(x) - other_.distance(x) - slack_;
-  }
-
-  // Whether the difference has no zero between low and high, where it is positive. Where the other's paths
-  // are the shorter is a convex set if they have the larger offset. Otherwise the set where mine are is
-  // convex, and may lie in between: the zeros are among those of a quadratic polynomial,
-  // (|x - s|^2 - |x - s'|^2 - l^2)^2 = 4 l^2 |x - s'|^2 with l = o' - o + slack.
-  bool lost_between(double low, double high) const {
-    const double l = other_.offset_mm - mine_.offset_mm + slack_;
-    if (l >= 0.0) return true;
-    const Vec2d apart = other_.source - mine_.source;
-    const Vec2d from_other = a_ - other_.source;
-    const double c0 = apart.dot(a_ - mine_.source + from_other) - l * l;
-    const double c1 = 2.0 * ab_.dot(apart);
-    const double q2 = c1 * c1 - 4.0 * l * l * ab_.squaredNorm();
-    const double q1 = c0 * c1 - 4.0 * l * l * ab_.dot(from_other);  // half the middle coefficient
-    const double q0 = c0 * c0 - 4.0 * l * l * from_other.squaredNorm();
-    const double discriminant = q1 * q1 - q2 * q0;
-    if (discriminant < 0.0) return true;
-    const double q = -(q1 + std::copysign(std::sqrt(discriminant), q1));
-    const auto between = [&](double numerator, double denominator) {
-      const double t = numerator / denominator;  // not a number compares false
-      return t > low && t < high;
-    };
-    return !between(q, q2) && !between(q0, q);
-  }
-
-  // Mine is lost at `lost` and not at `kept`: a place in between up to which it is lost, close to the last
-  // one. By false position (Illinois); what it leaves uncut does no harm.
-  double lost_until(double lost, double kept) const {
-    double loss = loss_at(lost);
-    double gain = loss_at(kept);
-    for (int i = 0; i < 6; ++i) {
-      const double t = (kept * loss - lost * gain) / (loss - gain);
-      const double at = loss_at(t);
-      if (at > 0.0) {
-        lost = t;
-        loss = at;
-        gain *= 0.5;
-      } else {
-        kept = t;
-        gain = at;
-        loss *= 0.5;
-      }
-    }
-    return lost;
-  }
-
- private:
-  const GeodesicWindow& mine_;
-  const GeodesicWindow& other_;
-  const Vec2d& a_;
-  const Vec2d& ab_;
-  double slack_;
-};
-
 }  // namespace
 
 Vec2d flat_position(const IntrinsicMesh& mesh, const GeodesicPoint& point) {
@@ -261,51 +195,14 @@ void GeodesicField::pass_on(std::size_t face, int edge, const GeodesicWindow& ra
   if (vertex_distance(mesh_.vertex(face, next(edge))) + (first - b).norm() + slack <
       offset_mm + (first - source).norm())
     return;
-  const GeodesicWindow unfolded{crossing.apply(source),
-                                offset_mm,
-                                crossing.turn(rays.left),
-                                crossing.turn(rays.right),
-                                false,
-                                static_cast<std::int8_t>(crossing.edge),
-                                1.0 - to,
-                                1.0 - from};
-  push(least, {crossing.face, unfolded});
+  const GeodesicWindow unfolded{crossing.apply(source), offset_mm, crossing.turn(rays.left),
+                                crossing.turn(rays.right), false};
+  push(least, {crossing.face, crossing.edge, unfolded, 1.0 - to, 1.0 - from});
 }
 
-bool GeodesicField::trim(std::int32_t face, GeodesicWindow& window) const {
-  const auto f = static_cast<std::size_t>(face);
-  const Vec2d& a = mesh_.corner(f, window.edge);
-  const Vec2d ab = mesh_.corner(f, next(window.edge)) - a;
-  const double from = window.from;
-  const double to = window.to;
-  for (std::int32_t i = first_window(f); i >= 0; i = windows_[static_cast<std::size_t>(i)].next) {
-    const GeodesicWindow& other = windows_[static_cast<std::size_t>(i)];
-    if (other.edge != window.edge) continue;
-    const double low = std::max(window.from, other.from);
-    const double high = std::min(window.to, other.to);
-    if (high - low < kNarrow || (low > window.from && high < window.to)) continue;
-    const EdgeDuel duel(window, other, a, ab, kSame * radius_mm_);
-    const bool low_lost = duel.loss_at(low) > 0.0;
-    const bool high_lost = duel.loss_at(high) > 0.0;
-    if (low_lost && high_lost) {
-      if (!duel.lost_between(low, high)) continue;
-      (low <= window.from ? window.from : window.to) = low <= window.from ? high : low;
-    } else if (low_lost && low <= window.from) {
-      window.from = duel.lost_until(low, high);
-    } else if (high_lost && high >= window.to) {
-      window.to = duel.lost_until(high, low);
-    }
-    if (window.to - window.from < kNarrow) return false;
-  }
-  if (window.from > from) window.left = (a + window.from * ab - window.source).normalized();
-  if (window.to < to) window.right = (a + window.to * ab - window.source).normalized();
-  return true;
-}
-
-void GeodesicField::enter(Front front) {
-  if (!trim(front.face, front.rays)) return;
+void GeodesicField::enter(const Front& front) {
   const auto f = static_cast<std::size_t>(front.face);
-  const int k = front.rays.edge;
+  const int k = front.edge;
   const int opposite = next(next(k));
   const GeodesicWindow& rays = front.rays;
   const Vec2d& s = rays.source;

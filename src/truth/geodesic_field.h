@@ -25,10 +25,7 @@ struct GeodesicWindow {
   double offset_mm;  // length of the path up to the (pseudo-)source
   Vec2d left;   // rays from the source, unit; what lies between them, counter-clockwise from right to left,
   Vec2d right;  // is covered
-  bool all_round;         // the whole face is covered: the face that the source lies in
-  std::int8_t edge = -1;  // by which the paths enter the face, between two fractions of it; -1: by none, the
-  double from = 0.0;      // source lies in the face or at a corner
-  double to = 1.0;
+  bool all_round;          // the whole face is covered: the face that the source lies in
   std::int32_t next = -1;  // of the same face
 
   // How far x lies beyond the rays; 0 or less: covered.
@@ -50,9 +47,7 @@ struct GeodesicWindow {
 // Windows are dropped where they start beyond the radius, where they are longer over their whole interval
 // than a known path through an end of the edge, and by "one angle, one split": of two windows that cross one
 // edge and both see the opposite vertex, strictly, only the shorter one passes on both sides (the other's
-// rays on the side of the shorter one's path would have to cross that path). Of a window's interval on the
-// edge by which it enters, what another window that entered by the same edge reaches sooner is cut away: a
-// path that is not the shortest at one of its points is not the shortest beyond it.
+// rays on the side of the shorter one's path would have to cross that path).
 //
 // The work is proportional to what lies within the radius. One field serves one thread, source after source.
 class GeodesicField {
@@ -77,7 +72,10 @@ class GeodesicField {
   // Paths about to enter a face through one of its edges, between two points of the edge.
   struct Front {
     std::int32_t face;
+    std::int32_t edge;
     GeodesicWindow rays;  // in the face's frame; the edge's first corner is to their left
+    double from;          // fractions of the edge, from its first corner
+    double to;
   };
   struct VertexEvent {
     std::int32_t vertex;
@@ -98,9 +96,7 @@ class GeodesicField {
 
   void cover(std::int32_t face, const GeodesicWindow& window);
   void leave_source_face(const GeodesicPoint& point);
-  void enter(Front front);
-  // Cuts what earlier windows reach sooner from the ends of a window's interval; false if nothing is left.
-  bool trim(std::int32_t face, GeodesicWindow& window) const;
+  void enter(const Front& front);
   // Rays in `face` pass into the neighbour, through the part [from, to] of an edge. Their directions are
   // carried along, never taken from where they meet an edge: close to a vertex those places say little about
   // directions.
