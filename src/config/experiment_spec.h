@@ -89,6 +89,9 @@ struct TruthSpec {
   double tolerance = 1e-4;  // of the largest irradiance
   int audit_points = 256;
   std::uint64_t seed = 1;
+  // Geodesic truths: own (where a method aims at one) | extra (every method is measured against one too) |
+  // off.
+  std::string geodesic = "own";
 };
 
 struct TimingSpec {

@@ -28,6 +28,16 @@ Profile resolve_profile(const ProfileSpec& spec) {
                     spec.name, fmt::join(names, ", "));
 }
 
+// What the fast geodesic engine can promise in double precision.
+constexpr double kSmallestGeodesicTolerance = 1e-7;
+
+std::string reason_without_geodesics(const TruthSpec& spec) {
+  if (spec.geodesic == "off") return "the experiment sets truth.geodesic = \"off\"";
+  if (spec.tolerance >= kSmallestGeodesicTolerance) return "";
+  return fmt::format("truth.tolerance is {}, and geodesic truths are good to {} at best", spec.tolerance,
+                     kSmallestGeodesicTolerance);
+}
+
 std::string text_of(double value) { return fmt::format("{}", value); }
 std::string text_of(const SettingValue& value) {
   return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
@@ -46,12 +56,13 @@ std::string describe_truth(const std::string& view, const PlannedTruth& truth) {
   if (truth.is_headline()) roles.emplace_back("headline");
   if (!truth.own_target_of.empty())
     roles.push_back(fmt::format("own target of {}", fmt::join(truth.own_target_of, ", ")));
-  return fmt::format(
-      "truth {}: {}, {}, {}, {} Gaussians; {}{}\n", truth_id(view, *truth.profile, truth.target),
-      truth.target.geodesic ? "geodesic" : "Euclidean", truth.target.normalised ? "normalised" : "raw",
-      truth.target.r_max_mm ? fmt::format("cut at {} mm", *truth.target.r_max_mm) : "not cut",
-      gaussian_levels(*truth.profile).size(), fmt::join(roles, "; "),
-      truth.target.geodesic ? "; not computed by this version" : "");
+  if (truth.extra) roles.emplace_back("extra");
+  if (!truth.not_computed.empty()) roles.push_back("not computed: " + truth.not_computed);
+  return fmt::format("truth {}: {}, {}, {}, {} Gaussians; {}\n", truth_id(view, *truth.profile, truth.target),
+                     truth.target.geodesic ? "geodesic" : "Euclidean",
+                     truth.target.normalised ? "normalised" : "raw",
+                     truth.target.r_max_mm ? fmt::format("cut at {} mm", *truth.target.r_max_mm) : "not cut",
+                     gaussian_levels(*truth.profile).size(), fmt::join(roles, "; "));
 }
 
 }  // namespace
@@ -64,21 +75,32 @@ Plan make_plan(const ExperimentSpec& spec) {
     plan.methods.push_back(
         {&method, m.label, Settings(method.name, method.settings, m.settings, m.settings_where)});
   }
+  plan.no_geodesics = reason_without_geodesics(spec.truth);
+  if (spec.truth.geodesic == "extra") plan.extra_targets.push_back({true, true, std::nullopt});
   return plan;
 }
 
-std::vector<PlannedTruth> planned_truths(const Plan& plan) {
+bool is_skipped(const PlannedMethod& method, bool has_uvs) { return method.method->needs_uvs && !has_uvs; }
+
+std::vector<PlannedTruth> planned_truths(const Plan& plan, bool has_uvs) {
   std::vector<PlannedTruth> truths;
   for (const Profile& profile : plan.profiles) {
     const std::size_t first = truths.size();
-    truths.push_back({&profile, OwnTarget{}, {}});
+    // A reference into `truths`, good until the next call.
+    const auto truth_of = [&](const OwnTarget& target) -> PlannedTruth& {
+      const auto known = std::find_if(truths.begin() + static_cast<std::ptrdiff_t>(first), truths.end(),
+                                      [&](const PlannedTruth& t) { return t.target == target; });
+      if (known != truths.end()) return *known;
+      truths.push_back({&profile, target, {}});
+      if (target.geodesic) truths.back().not_computed = plan.no_geodesics;
+      return truths.back();
+    };
+    truth_of(OwnTarget{});
     for (const PlannedMethod& m : plan.methods) {
-      const OwnTarget target = m.method->own_target(profile, m.settings);
-      auto known = std::find_if(truths.begin() + static_cast<std::ptrdiff_t>(first), truths.end(),
-                                [&](const PlannedTruth& t) { return t.target == target; });
-      if (known == truths.end()) known = truths.insert(truths.end(), {&profile, target, {}});
-      known->own_target_of.push_back(m.label);
+      if (is_skipped(m, has_uvs)) continue;
+      truth_of(m.method->own_target(profile, m.settings)).own_target_of.push_back(m.label);
     }
+    for (const OwnTarget& target : plan.extra_targets) truth_of(target).extra = true;
   }
   return truths;
 }
@@ -98,14 +120,14 @@ std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const Sc
   if (!spec.scene.skin_mask.empty()) text += fmt::format("skin mask {}\n", spec.scene.skin_mask);
   for (const PlannedMethod& m : plan.methods)
     text += fmt::format("method {}: {}{}\n", m.label, m.method->title, in_brackets(m.settings.values()));
-  const std::vector<PlannedTruth> truths = planned_truths(plan);
+  const std::vector<PlannedTruth> truths = planned_truths(plan, scene.has_uvs);
   for (const ViewSpec& view : spec.views) {
     text += fmt::format("view {}: {} x {} px\n", view.name, view.width_px, view.height_px);
     for (const PlannedTruth& truth : truths) text += "  " + describe_truth(view.name, truth);
     for (const Profile& profile : plan.profiles) {
       for (const PlannedMethod& m : plan.methods) {
         const std::string id = fmt::format("{}/{}/{}", view.name, profile.name, m.label);
-        text += m.method->needs_uvs && !scene.has_uvs
+        text += is_skipped(m, scene.has_uvs)
                     ? fmt::format("  skip {}: it needs UVs, and the mesh has none\n", id)
                     : fmt::format("  run {}: {} + {} frames\n", id, spec.timing.warm_up, spec.timing.repeats);
       }

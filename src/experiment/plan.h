@@ -21,22 +21,30 @@ struct PlannedMethod {
 struct Plan {
   std::vector<Profile> profiles;
   std::vector<PlannedMethod> methods;
+  std::vector<OwnTarget> extra_targets;  // every method is measured against these too
+  std::string no_geodesics;              // why no geodesic truth is computed; empty: they are
 };
 
 // Throws Error (input) at the offending line: unknown profile or method, a setting out of range.
 Plan make_plan(const ExperimentSpec& spec);
 
-// A truth that every view needs: a profile's headline, or what methods set out to compute.
+// A truth that every view needs: a profile's headline, what methods set out to compute, or one that the
+// experiment asks for beside them.
 struct PlannedTruth {
   const Profile* profile;  // of the plan
   OwnTarget target;
   std::vector<std::string> own_target_of;  // labels of methods
+  bool extra = false;
+  std::string not_computed = {};  // why the experiment does without it; empty: it is computed
 
   bool is_headline() const { return target == OwnTarget{}; }
 };
 
-// Each distinct target once, profile by profile, the headline first. Geodesic ones are not computed yet.
-std::vector<PlannedTruth> planned_truths(const Plan& plan);
+// Whether a method cannot run on a mesh without UVs, which this one is.
+bool is_skipped(const PlannedMethod& method, bool has_uvs);
+
+// Each distinct target of what runs once, profile by profile, the headline first.
+std::vector<PlannedTruth> planned_truths(const Plan& plan, bool has_uvs);
 
 // A truth's name in results.json.
 std::string truth_id(const std::string& view, const Profile& profile, const OwnTarget& target);

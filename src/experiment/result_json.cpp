@@ -5,12 +5,12 @@ namespace {
 
 using nlohmann::json;
 
-json certificate_json(const Certificate& certificate) {
-  return {{"audited", certificate.audited},
-          {"max_error", certificate.max_error},
-          {"tolerance", certificate.tolerance},
-          {"tail_bound", certificate.tail_bound},
-          {"open_share_95", certificate.open_share}};
+json certificate_json(const Certificate& certificate, const AuditSample& audited) {
+  json classes = json::object();
+  for (const auto& [name, count] : audited.classes) classes[name] = count;
+  return {{"audited", certificate.audited},       {"classes", classes},
+          {"max_error", certificate.max_error},   {"tolerance", certificate.tolerance},
+          {"tail_bound", certificate.tail_bound}, {"open_share_95", certificate.open_share}};
 }
 
 json rgb_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -84,16 +84,18 @@ json scene_json(const ExperimentSpec& spec, const PreparedScene& scene) {
   return object;
 }
 
-json truth_json(const std::string& view, const Profile& profile, const OwnTarget& target,
-                const TruthImage& truth, std::size_t points) {
-  json object = target_json(target);
-  object["id"] = truth_id(view, profile, target);
+json truth_json(const std::string& view, const PlannedTruth& planned, const TruthImage& truth,
+                const AuditSample& audited) {
+  json object = target_json(planned.target);
+  object["id"] = truth_id(view, *planned.profile, planned.target);
   object["view"] = view;
-  object["profile"] = profile.name;
+  object["profile"] = planned.profile->name;
+  object["headline"] = planned.is_headline();
+  object["own_target_of"] = planned.own_target_of;
+  object["extra"] = planned.extra;
   object["seconds"] = truth.seconds;
-  object["points"] = points;
   object["uncertainty"] = truth.certificate.uncertainty();
-  object["certificate"] = certificate_json(truth.certificate);
+  object["certificate"] = certificate_json(truth.certificate, audited);
   return object;
 }
 

@@ -17,8 +17,8 @@ nlohmann::json profile_json(const Profile& profile);
 nlohmann::json settings_json(const Settings& settings);
 // metric, normalised, r_max_mm.
 nlohmann::json target_json(const OwnTarget& target);
-// An entry of truths[]: the target with its id, cost and certificate.
-nlohmann::json truth_json(const std::string& view, const Profile& profile, const OwnTarget& target,
-                          const TruthImage& truth, std::size_t points);
+// An entry of truths[]: the target with its id, roles, cost and certificate.
+nlohmann::json truth_json(const std::string& view, const PlannedTruth& planned, const TruthImage& truth,
+                          const AuditSample& audited);
 
 }  // namespace truescatter

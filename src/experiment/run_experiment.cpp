@@ -35,14 +35,18 @@ double common_range(const json& results) {
 
 }  // namespace
 
-RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder) {
+RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder,
+                          const SourceWrapper& wrap) {
   const Plan plan = make_plan(spec);
   const PreparedScene scene = prepare_scene(spec);
   const gpu::Context context;
   const SurfaceBuffers buffers(context, scene.shading);
-  const Surface skin = skin_surface(scene.shading);
-  const FastEngine engine(skin, spec.truth.tolerance);
-  const Setup setup{spec, plan, scene, context, buffers, skin, engine};
+  const std::vector<PlannedTruth> planned = planned_truths(plan, buffers.has_uvs());
+  const bool geodesic = std::any_of(planned.begin(), planned.end(), [](const PlannedTruth& truth) {
+    return truth.target.geodesic && truth.not_computed.empty();
+  });
+  const SceneTruths truths(scene, spec.truth, geodesic, wrap);
+  const Setup setup{spec, plan, scene, context, buffers, truths};
 
   json results = {{"schema", kResultsSchema},
                   {"experiment",

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/experiment_spec.h"
+#include "experiment/scene_truths.h"
 
 namespace truescatter {
 
@@ -15,6 +16,8 @@ struct RunOutcome {
 
 // Runs an experiment and writes results.json, results.csv, experiment.resolved.toml and maps/ into `folder`,
 // which must be there. Throws Error: input as it is found, run for a failed audit, the driver or the disk.
-RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder);
+// `wrap`: for tests of what a run does with an engine that errs.
+RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder,
+                          const SourceWrapper& wrap = {});
 
 }  // namespace truescatter

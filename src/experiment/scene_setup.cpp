@@ -178,4 +178,13 @@ Surface skin_surface(const ShadingMesh& shading) {
   return surface;
 }
 
+GeodesicSurface geodesic_surface(const PreparedScene& scene) {
+  std::vector<GeodesicPiece> pieces;
+  for (const ShadingTriangle& triangle : scene.shading.triangles) {
+    if (!triangle.skin) continue;
+    pieces.push_back({triangle.base, triangle.base_barycentric, triangle.irradiance, triangle.component});
+  }
+  return {IntrinsicMesh(scene.mesh.positions_mm, scene.mesh.triangles), pieces};
+}
+
 }  // namespace truescatter

@@ -10,6 +10,7 @@
 #include "scene/load_mesh.h"
 #include "scene/mesh.h"
 #include "scene/uv_texture.h"
+#include "truth/geodesic_surface.h"
 #include "truth/surface.h"
 
 namespace truescatter {
@@ -42,5 +43,10 @@ Camera camera_of(const ViewSpec& view);
 
 // The skin of a shading mesh as the truth sees it.
 Surface skin_surface(const ShadingMesh& shading);
+
+// The same as geodesics see it: distances run over the scene's mesh, every shading triangle is a piece of one
+// of its triangles. Throws Error (input), see IntrinsicMesh, where the mesh leaves geodesics without one
+// answer.
+GeodesicSurface geodesic_surface(const PreparedScene& scene);
 
 }  // namespace truescatter

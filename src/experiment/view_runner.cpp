@@ -58,9 +58,9 @@ Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Met
   return measured;
 }
 
-// The pixels that are measured: skin whose smallest mass is at least one half; the others are counted apart.
-Image measured_mask(const Image& skin, const Image& mass) {
-  Image mask = skin;
+// Those of the pixels that are measured: where the smallest mass is at least half of a plane's; the others
+// are counted apart.
+Image measured_mask(Image mask, const Image& mass) {
   for (std::size_t i = 0; i < mask.data().size(); ++i) {
     if (mass.data()[i] < static_cast<float>(kSmallMass)) mask.data()[i] = 0.0F;
   }
@@ -76,16 +76,24 @@ json color_bar_json(const Camera& camera) {
           {"height_px", bar.height_px}};
 }
 
-// The truths of a profile in one view, each assembled once; the headline first.
-struct ProfileTruths {
-  std::vector<std::pair<OwnTarget, TruthImage>> images;
+// A truth of a profile in one view.
+struct ViewedTruth {
+  PlannedTruth planned;
+  std::string missing;  // why there is none; empty: there is
+  TruthImage image;
+  Image mask;  // the pixels that are measured against it
+};
 
-  const TruthImage& headline() const { return images.front().second; }
-  const TruthImage& of(const OwnTarget& target) const {
-    const auto found =
-        std::find_if(images.begin(), images.end(), [&](const auto& entry) { return entry.first == target; });
-    assert(found != images.end());
-    return found->second;
+// All of them, each assembled once; the headline first.
+struct ProfileTruths {
+  std::vector<ViewedTruth> all;
+
+  const ViewedTruth& headline() const { return all.front(); }
+  const ViewedTruth& of(const OwnTarget& target) const {
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [&](const ViewedTruth& t) { return t.planned.target == target; });
+    assert(found != all.end());
+    return *found;
   }
 };
 
@@ -93,7 +101,6 @@ struct ProfileTruths {
 struct Comparison {
   const Profile& profile;
   const ProfileTruths& truths;
-  const Image& mask;  // the pixels that are measured
   const FlipReference& flip;
 };
 
@@ -124,7 +131,8 @@ class ViewRunner {
         frame_(render_frame(setup.context, setup.surface, setup.scene.shading, camera_of(view))),
         images_(read_frame(setup.context, frame_)),
         median_depth_mm_(median_skin_depth_mm(images_)),
-        truth_(setup.scene, setup.skin, images_),
+        planned_(planned_truths(setup.plan, setup.surface.has_uvs())),
+        truth_(setup.scene, images_),
         contours_(
             find_contours({images_.mask, images_.position, images_.face_normal, frame_.camera.focal_px()})) {
     maps_.name = view.name;
@@ -138,12 +146,12 @@ class ViewRunner {
     results_["views"].push_back({{"name", name_},
                                  {"width_px", frame_.camera.width_px},
                                  {"height_px", frame_.camera.height_px},
-                                 {"skin_pixels", truth_.point_count()},
+                                 {"skin_pixels", truth_.points().size()},
                                  {"median_skin_depth_mm", median_depth_mm_},
                                  {"mm_per_px", mm_per_px()},
                                  {"color_bar", color_bar_json(frame_.camera)},
                                  {"files", {{"irradiance", "maps/" + name_ + ".irradiance.png"}}}});
-    if (truth_.point_count() == 0)
+    if (truth_.points().size() == 0)
       throw_input_error({setup_.spec.file.string()}, "view '{}' sees no skin", name_);
     compute_truths();
     Progress progress(fmt::format("view {}: methods", name_),
@@ -159,47 +167,63 @@ class ViewRunner {
 
   void compute_truths() {
     std::vector<ViewTruth::Request> requests;
-    for (const PlannedTruth& truth : planned_truths(setup_.plan)) {
-      if (!truth.target.geodesic) requests.push_back({truth.profile, truth.target});
+    for (const PlannedTruth& truth : planned_) {
+      if (missing(truth).empty()) requests.push_back({truth.profile, truth.target});
     }
-    truth_.compute(requests, setup_.spec.truth, setup_.engine);
+    truth_.compute(
+        requests, setup_.spec.truth,
+        [&](LayerKind kind, const ViewPoints& points) { return setup_.truths.source(kind, points); },
+        setup_.truths.geodesic());
+  }
+
+  // Why there is no such truth; empty: there is.
+  std::string missing(const PlannedTruth& truth) const {
+    return truth.not_computed.empty() ? setup_.truths.obstacle(truth.target) : truth.not_computed;
   }
 
   void measure_profile(const Profile& profile, Progress& progress) {
     const ProfileTruths truths = assemble(profile);
-    const Image mask = measured_mask(images_.mask, truths.headline().smallest_mass);
-    const FlipReference flip(exposed(truths.headline().rgb, setup_.exposure()));
-    add_truths(profile, truths, mask);
+    const TruthImage& headline = truths.headline().image;
+    const FlipReference flip(exposed(headline.rgb, setup_.exposure()));
+    add_truths(profile, truths);
     for (const PlannedMethod& m : setup_.plan.methods) {
-      measure_method(m, {profile, truths, mask, flip});
+      measure_method(m, {profile, truths, flip});
       progress.advance();
     }
     // Maps show what is measured under every profile.
-    for (std::size_t i = 0; i < mask.data().size(); ++i) {
-      maps_.measured.data()[i] = std::min(maps_.measured.data()[i], mask.data()[i]);
-    }
+    maps_.measured = measured_mask(std::move(maps_.measured), headline.smallest_mass);
   }
 
   ProfileTruths assemble(const Profile& profile) const {
     ProfileTruths truths;
-    for (const PlannedTruth& truth : planned_truths(setup_.plan)) {
-      if (truth.profile != &profile || truth.target.geodesic) continue;
-      truths.images.emplace_back(truth.target, truth_.image({&profile, truth.target}));
+    for (const PlannedTruth& planned : planned_) {
+      if (planned.profile != &profile) continue;
+      ViewedTruth truth{planned, missing(planned), {}, {}};
+      if (truth.missing.empty()) {
+        truth.image = truth_.image({&profile, planned.target});
+        // What the headline counts apart is not measured at all. A raw truth divides by no mass.
+        truth.mask = truths.all.empty() ? images_.mask : truths.headline().mask;
+        if (planned.target.normalised)
+          truth.mask = measured_mask(std::move(truth.mask), truth.image.smallest_mass);
+      }
+      truths.all.push_back(std::move(truth));
     }
     return truths;
   }
 
-  void add_truths(const Profile& profile, const ProfileTruths& truths, const Image& mask) {
+  void add_truths(const Profile& profile, const ProfileTruths& truths) {
     const std::string stem = name_ + "." + profile.name + ".truth";
-    for (const auto& [target, image] : truths.images) {
-      json truth = truth_json(name_, profile, target, image, truth_.point_count());
-      if (target == OwnTarget{}) {
-        truth["low_mass_pixels"] = skin_pixels(images_.mask) - skin_pixels(mask);
+    for (const ViewedTruth& viewed : truths.all) {
+      if (!viewed.missing.empty()) continue;
+      json truth = truth_json(name_, viewed.planned, viewed.image, truth_.audited());
+      truth["points"] = truth_.points().size();
+      truth["low_mass_pixels"] = skin_pixels(images_.mask) - skin_pixels(viewed.mask);
+      if (viewed.planned.is_headline())
         truth["files"] = {{"picture", "maps/" + stem + ".png"}, {"exr", "maps/" + stem + ".exr"}};
-      }
       results_["truths"].push_back(truth);
     }
-    maps_.truths.push_back({stem, truths.headline().rgb, truths.headline().smallest_mass});
+    const TruthImage& headline = truths.headline().image;
+    maps_.truths.push_back({stem, headline.rgb, headline.smallest_mass});
   }
 
   void measure_method(const PlannedMethod& planned, const Comparison& against) {
@@ -214,45 +238,54 @@ class ViewRunner {
                 {"profile", profile.name},
                 {"settings", settings_json(planned.settings)},
                 {"truth", truth_id(name_, profile, OwnTarget{})}};
-    if (method.needs_uvs && !setup_.surface.has_uvs()) {
+    if (is_skipped(planned, setup_.surface.has_uvs())) {
       run["skipped"] = "this method needs UVs, and the mesh has none";
       results_["runs"].push_back(run);
       return;
     }
     const MethodInputs inputs{setup_.context,   frame_,  setup_.surface,
                               median_depth_mm_, profile, planned.settings};
-    const Measured measured = draw_and_time(setup_, inputs, method, truth_.point_count());
+    const Measured measured = draw_and_time(setup_, inputs, method, truth_.points().size());
     run["cost"] = measured.cost;
     add_metrics(run, measured.exitance, against);
-    run["own_target"] = own_target_json(planned, measured.exitance, against);
+    run["own_target"] =
+        error_against(against.truths.of(method.own_target(profile, planned.settings)), measured.exitance);
+    for (const ViewedTruth& truth : against.truths.all) {
+      if (truth.planned.extra) run["extra_targets"].push_back(error_against(truth, measured.exitance));
+    }
     add_maps(run, profile.name + "." + planned.label, measured.exitance, against);
     results_["runs"].push_back(run);
   }
 
   void add_metrics(json& run, const Image& exitance, const Comparison& against) const {
-    const TruthImage& truth = against.truths.headline();
+    const ViewedTruth& truth = against.truths.headline();
     run["metrics"] =
-        metrics_json(exitance, {truth.rgb, against.mask, contours_, against.profile.widest_std_dev_mm(),
+        metrics_json(exitance, {truth.image.rgb, truth.mask, contours_, against.profile.widest_std_dev_mm(),
                                 mm_per_px(), against.flip, setup_.exposure()});
-    // Below the truth's uncertainty nothing can be told from the truth.
-    const double uncertainty = truth.certificate.uncertainty() * setup_.scene.largest_irradiance;
-    const json rmse = run["metrics"]["rmse"];
-    run["distinguishable"] = rmse.is_number() ? json(rmse.get<double>() > uncertainty) : json();
-    if (!rmse.is_number()) run["distinguishable_reason"] = "no pixel to measure";
+    put_distinguishable(run, truth.image.certificate);
   }
 
-  json own_target_json(const PlannedMethod& planned, const Image& exitance, const Comparison& against) const {
-    const OwnTarget target = planned.method->own_target(against.profile, planned.settings);
-    json own = target_json(target);
-    if (target.geodesic) {
-      own["truth"] = nullptr;
-      own["metrics"] = nullptr;
-      own["metrics_reason"] = "its target is geodesic, and this version computes Euclidean truths only";
-      return own;
+  // Below the truth's uncertainty nothing can be told from the truth.
+  void put_distinguishable(json& measured, const Certificate& certificate) const {
+    const double uncertainty = certificate.uncertainty() * setup_.scene.largest_irradiance;
+    const json rmse = measured["metrics"]["rmse"];
+    measured["distinguishable"] = rmse.is_number() ? json(rmse.get<double>() > uncertainty) : json();
+    if (!rmse.is_number()) measured["distinguishable_reason"] = "no pixel to measure";
+  }
+
+  // The error against a truth that is not the headline.
+  json error_against(const ViewedTruth& truth, const Image& exitance) const {
+    json error = target_json(truth.planned.target);
+    if (!truth.missing.empty()) {
+      error["truth"] = nullptr;
+      error["metrics"] = nullptr;
+      error["metrics_reason"] = truth.missing;
+      return error;
     }
-    own["truth"] = truth_id(name_, against.profile, target);
-    own["metrics"] = error_stats_json(exitance, against.truths.of(target).rgb, against.mask);
-    return own;
+    error["truth"] = truth_id(name_, *truth.planned.profile, truth.planned.target);
+    error["metrics"] = error_stats_json(exitance, truth.image.rgb, truth.mask);
+    put_distinguishable(error, truth.image.certificate);
+    return error;
   }
 
   void add_maps(json& run, const std::string& name, const Image& exitance, const Comparison& against) {
@@ -262,7 +295,7 @@ class ViewRunner {
                     {"signed", "maps/" + stem + ".signed.png"},
                     {"exr", "maps/" + stem + ".exr"}};
     maps_.runs.push_back(
-        {stem, exitance, signed_error(exitance, against.truths.headline().rgb, images_.mask)});
+        {stem, exitance, signed_error(exitance, against.truths.headline().image.rgb, images_.mask)});
   }
 
   const Setup& setup_;
@@ -271,6 +304,7 @@ class ViewRunner {
   Frame frame_;
   FrameImages images_;
   double median_depth_mm_;
+  std::vector<PlannedTruth> planned_;
   ViewTruth truth_;
   ContourMap contours_;
   ViewMaps maps_;

@@ -5,9 +5,9 @@
 #include "experiment/map_files.h"
 #include "experiment/plan.h"
 #include "experiment/scene_setup.h"
+#include "experiment/scene_truths.h"
 #include "gpu/context.h"
 #include "methods/frame.h"
-#include "truth/fast.h"
 
 namespace truescatter {
 
@@ -18,8 +18,7 @@ struct Setup {
   const PreparedScene& scene;
   const gpu::Context& context;
   const SurfaceBuffers& surface;
-  const Surface& skin;
-  const FastEngine& engine;
+  const SceneTruths& truths;
 
   double exposure() const { return 1.0 / scene.largest_irradiance; }
 };

@@ -1,22 +1,28 @@
 #pragma once
 
-#include <cstdint>
+#include <functional>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/image.h"
+#include "experiment/audit_sample.h"
+#include "experiment/layer_source.h"
 #include "experiment/scene_setup.h"
+#include "experiment/view_points.h"
 #include "methods/frame.h"
 #include "methods/method.h"
 #include "profile/profile.h"
 #include "truth/audit.h"
-#include "truth/fast.h"
 
 namespace truescatter {
 
-// What a truth aims at: the headline (Euclidean, normalised, not cut), or a method's own target.
+// What a truth aims at: the headline (Euclidean, normalised, not cut), or another target.
 struct TruthImage {
-  Image rgb;                // 0 off the skin
-  Image smallest_mass;      // one channel: the smallest mass of a Gaussian with weight; 0 off the skin
+  Image rgb;  // 0 off the skin
+  // One channel: the smallest mass of a Gaussian with weight, as a share of what a plane would have (1, or
+  // less where the Gaussian is cut off); 0 off the skin.
+  Image smallest_mass;
   Certificate certificate;  // over the layers that it is made of
   double seconds = 0.0;
 };
@@ -24,43 +30,45 @@ struct TruthImage {
 // The convolutions behind every truth of one view: all layers that profiles and targets need, each once.
 class ViewTruth {
  public:
-  // Finds the skin pixels' surface points.
-  ViewTruth(const PreparedScene& scene, const Surface& surface, const FrameImages& images);
+  // Finds the skin pixels' surface points. Scene and images outlive it.
+  ViewTruth(const PreparedScene& scene, const FrameImages& images);
 
-  std::size_t point_count() const { return points_.size(); }
-  // Computes and audits the layers of these targets.
+  const ViewPoints& points() const { return points_; }
+
   struct Request {
     const Profile* profile;
     OwnTarget target;
   };
-  void compute(const std::vector<Request>& requests, const TruthSpec& spec, const FastEngine& engine);
-  // The truth image of a request that `compute` was given. Geodesic targets are not among them.
+  using SourceOf = std::function<std::unique_ptr<LayerSource>(LayerKind, const ViewPoints&)>;
+
+  // Computes and audits the layers of these targets; there is at least one point. `geodesic`: null if no
+  // target is. Throws Error (run) if an audit fails.
+  void compute(const std::vector<Request>& requests, const TruthSpec& spec, const SourceOf& source_of,
+               const GeodesicSurface* geodesic);
+  // The truth image of a request that `compute` was given.
   TruthImage image(const Request& request) const;
+  // How many points were audited for which reason; the same ones for every truth.
+  const AuditSample& audited() const { return sample_; }
 
  private:
-  struct Pixel {
-    int x;
-    int y;
-  };
   struct LayerResult {
+    LayerKind kind;
     TruthLayer layer;
-    std::vector<Vec4d> values;
+    ComputedLayer computed;
     Certificate certificate;
-    double seconds;
   };
 
   TruthLayer layer_of(double variance_mm2, const OwnTarget& target) const;
-  const LayerResult& result_of(const TruthLayer& layer) const;
-  std::vector<std::uint32_t> audited_points(const TruthSpec& spec) const;
+  const LayerResult& result_of(LayerKind kind, const TruthLayer& layer) const;
+  void compute_kind(LayerKind kind, const std::vector<TruthLayer>& layers, const LayerSource& source);
+  void audit_kind(LayerKind kind, const LayerSource& source);
 
-  const Surface& surface_;
+  const PreparedScene& scene_;
   const FrameImages& images_;
   double tolerance_ = 0.0;
-  std::vector<Pixel> pixels_;
-  std::vector<SurfacePoint> points_;
-  std::vector<Vec3d> irradiance_;  // at the points
-  std::vector<double> contrast_;   // of irradiance, over the point's shading triangle
+  ViewPoints points_;
   std::vector<LayerResult> layers_;
+  AuditSample sample_;
 };
 
 }  // namespace truescatter

@@ -302,7 +302,7 @@ method texture-space: Texture-space diffusion (stretch = raw, texture_size = 102
 view front: 48 x 48 px
   truth front/spike-and-base/euclidean-normalised: Euclidean, normalised, not cut, 3 Gaussians; headline; own target of none
   truth front/spike-and-base/euclidean-normalised-r4.5: Euclidean, normalised, cut at 4.5 mm, 3 Gaussians; own target of pscbf, coarse
-  truth front/spike-and-base/geodesic-normalised: geodesic, normalised, not cut, 3 Gaussians; own target of texture-space; not computed by this version
+  truth front/spike-and-base/geodesic-normalised: geodesic, normalised, not cut, 3 Gaussians; own target of texture-space
   run front/spike-and-base/none: 0 + 1 frames
   run front/spike-and-base/pscbf: 0 + 1 frames
   run front/spike-and-base/coarse: 0 + 1 frames
@@ -382,6 +382,76 @@ TEST_F(CliRun, TextureSpaceWithoutUvsIsSkippedWithAReason) {
   EXPECT_FALSE(results.at("runs").at(1).contains("metrics"));
   EXPECT_TRUE(
       contains(text("out/results.csv"), "texture-space,\"this method needs UVs, and the mesh has none\","));
+}
+
+// On a plane geodesics are straight, so the truth along the surface is the headline's: the errors against
+// both differ by the two uncertainties at most, for an RMSE is a norm.
+TEST_F(CliRun, TextureSpaceIsMeasuredAgainstItsGeodesicTruth) {
+  const std::string experiment = with(with(kTiny, "\"pscbf\"", "\"texture-space\""), "[timing]",
+                                      "[truth]\ngeodesic = \"extra\"\n[timing]");
+  EXPECT_TRUE(contains(run(experiment, {"--dry-run"}).out,
+                       "  truth front/spike-and-base/geodesic-normalised: geodesic, normalised, not cut, 3 "
+                       "Gaussians; own target of texture-space; extra\n"));
+  const ProgramResult result = run(experiment);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  ASSERT_EQ(results.at("truths").size(), 2U);
+  const Json& headline = results.at("truths").at(0);
+  const Json& geodesic = results.at("truths").at(1);
+  EXPECT_EQ(geodesic.at("id"), "front/spike-and-base/geodesic-normalised");
+  EXPECT_EQ(geodesic.at("metric"), "geodesic");
+  EXPECT_EQ(geodesic.at("own_target_of"), Json({"texture-space"}));
+  EXPECT_EQ(geodesic.at("extra"), true);
+  EXPECT_EQ(geodesic.at("certificate").at("audited"), 256);
+  const double bound = (headline.at("uncertainty").get<double>() + geodesic.at("uncertainty").get<double>()) *
+                       results.at("scene").at("largest_irradiance").get<double>();
+  for (const Json& run : results.at("runs")) {
+    ASSERT_EQ(run.at("extra_targets").size(), 1U);
+    const Json& extra = run.at("extra_targets").at(0);
+    EXPECT_EQ(extra.at("truth"), geodesic.at("id"));
+    EXPECT_NEAR(extra.at("metrics").at("rmse").get<double>(), run.at("metrics").at("rmse").get<double>(),
+                bound + 1e-7);  // and single precision's rounding of both pictures
+    EXPECT_EQ(extra.at("distinguishable"), run.at("distinguishable"));
+  }
+  const Json& texture_space = results.at("runs").at(1);
+  EXPECT_EQ(texture_space.at("own_target"), texture_space.at("extra_targets").at(0));
+}
+
+TEST_F(CliRun, SwitchedOffGeodesicTruthsLeaveAReason) {
+  const std::string experiment = with(with(kTiny, "\"pscbf\"", "\"texture-space\""), "[timing]",
+                                      "[truth]\ngeodesic = \"off\"\n[timing]");
+  const std::string reason = "the experiment sets truth.geodesic = \"off\"";
+  EXPECT_TRUE(contains(run(experiment, {"--dry-run"}).out,
+                       "own target of texture-space; not computed: " + reason + "\n"));
+  ASSERT_EQ(run(experiment).exit_code, 0);
+  const Json results = json("out/results.json");
+  EXPECT_EQ(results.at("truths").size(), 1U);
+  const Json& own = results.at("runs").at(1).at("own_target");
+  EXPECT_EQ(own.at("metric"), "geodesic");
+  EXPECT_TRUE(own.at("truth").is_null());
+  EXPECT_TRUE(own.at("metrics").is_null());
+  EXPECT_EQ(own.at("metrics_reason"), reason);
+  EXPECT_FALSE(results.at("runs").at(1).contains("extra_targets"));
+}
+
+// Two squares and a fin on their common edge: what the fin does to geodesics has no one answer, and all else
+// has.
+TEST_F(CliRun, AMeshThatCarriesNoGeodesicsIsMeasuredWithoutThem) {
+  folder_.write("fin.obj",
+                "v -10 -10 0\nv 0 -10 0\nv 10 -10 0\nv -10 10 0\nv 0 10 0\nv 10 10 0\nv 0 0 -5\n"
+                "vt 0 0\nvt 0.4 0\nvt 0.8 0\nvt 0 1\nvt 0.4 1\nvt 0.8 1\nvt 1 0.5\n"
+                "f 1/1 2/2 5/5 4/4\nf 2/2 3/3 6/6 5/5\nf 2/2 5/5 7/7\n");
+  const ProgramResult result =
+      run(with(with(kTiny, "mesh = \"builtin:plane\"\n[scene.parameters]\nsize_mm = 20.0\nedge_mm = 5.0\n",
+                    "mesh = \"fin.obj\"\n"),
+               "\"pscbf\"", "\"texture-space\""));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  const Json& texture_space = results.at("runs").at(1);
+  EXPECT_TRUE(texture_space.at("metrics").at("rmse").is_number());
+  EXPECT_TRUE(texture_space.at("own_target").at("metrics").is_null());
+  const std::string reason = texture_space.at("own_target").at("metrics_reason");
+  EXPECT_TRUE(reason.starts_with("the mesh carries no geodesics: triangles ")) << reason;
 }
 
 TEST_F(CliRun, ReportWritesTheReportAgain) {

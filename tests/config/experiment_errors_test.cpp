@@ -146,6 +146,8 @@ const Broken kBroken[] = {
     {"ZeroVariance", kProfile, "name = \"x\"\n[[profile.gaussian]]\nvariance_mm2 = [1, 0, 1]\nweight = 1",
      ":16:16", "'profile.gaussian.variance_mm2' must be positive"},
     // Not one of the words.
+    {"UnknownGeodesic", "[timing]", "[truth]\ngeodesic = \"on\"\n[timing]", ":20:12",
+     "'truth.geodesic' is \"on\"; it must be one of: own, extra, off"},
     {"UnknownLightType", kDirection, "type = \"spot\"", ":7:8",
      "'light.type' is \"spot\"; it must be one of: directional, point"},
     {"UnknownNormals", kMesh, "mesh = \"a.obj\"\nnormals = \"smooth\"", ":5:11",

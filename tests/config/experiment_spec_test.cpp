@@ -107,6 +107,7 @@ placement = "centroid"
 tolerance = 1e-9
 audit_points = 300
 seed = 42
+geodesic = "extra"
 
 [timing]
 warm_up = 4
@@ -201,6 +202,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.truth.tolerance, 1e-9);
   EXPECT_EQ(spec.truth.audit_points, 300);
   EXPECT_EQ(spec.truth.seed, 42U);
+  EXPECT_EQ(spec.truth.geodesic, "extra");
   EXPECT_EQ(spec.timing.warm_up, 4);
   EXPECT_EQ(spec.timing.repeats, 9);
 
@@ -310,6 +312,7 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
   EXPECT_EQ(a.truth.tolerance, b.truth.tolerance);
   EXPECT_EQ(a.truth.audit_points, b.truth.audit_points);
   EXPECT_EQ(a.truth.seed, b.truth.seed);
+  EXPECT_EQ(a.truth.geodesic, b.truth.geodesic);
   EXPECT_EQ(a.timing.warm_up, b.timing.warm_up);
   EXPECT_EQ(a.timing.repeats, b.timing.repeats);
   ASSERT_EQ(a.thresholds.size(), b.thresholds.size());

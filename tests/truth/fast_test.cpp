@@ -102,25 +102,54 @@ TEST(FastEngine, MassOfAPlaneIsOne) {
   for (const auto& layer : values) EXPECT_NEAR(layer[0][3], 1.0, 1e-4);
 }
 
-TEST(Audit, FindsAWrongValue) {
-  const Surface surface = rough_surface(make_builtin("plane"), 3);
-  const std::vector<SurfacePoint> points = random_points(surface, 20, 5);
-  const std::vector<TruthLayer> layer = {{1.0}};
-  const FastEngine engine(surface, 1e-4);
-  TruthValues values = engine.convolve(points, layer);
-  const std::vector<std::uint32_t> all = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
-  const Certificate good = audit(surface, points, layer, values, 1e-4, engine.tail_bound(), all, 5);
+// A layer at 20 points of a rough plane, audited at the first 10 of them, 5 of these drawn at random.
+class AuditOfALayer : public testing::Test {
+ protected:
+  Certificate certificate() const {
+    const std::vector<SurfacePoint> audited(points_.begin(), points_.begin() + 10);
+    const std::vector<std::uint32_t> indices = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+    const TruthValues exact =
+        ExactEngine(surface_, audit_reach_std_devs(engine_.tolerance())).convolve(audited, layer_);
+    return audit(values_, exact[0], indices,
+                 {engine_.tolerance(), engine_.tail_bound(), surface_.largest_irradiance(), 5});
+  }
+
+  const Surface surface_ = rough_surface(make_builtin("plane"), 3);
+  const std::vector<SurfacePoint> points_ = random_points(surface_, 20, 5);
+  const std::vector<TruthLayer> layer_ = {{1.0}};
+  const FastEngine engine_{surface_, 1e-4};
+  std::vector<Vec4d> values_ = engine_.convolve(points_, layer_)[0];
+};
+
+TEST_F(AuditOfALayer, PassesWhatKeepsItsPromise) {
+  const Certificate good = certificate();
   EXPECT_TRUE(good.passed());
   EXPECT_EQ(good.audited, 10U);
   // 5 random points that all hold exclude, at 95 %, that more than 1 - 0.05^(1/5) = 45.07 % are worse.
   EXPECT_NEAR(good.open_share, 0.4507, 1e-4);
-  values[0][7][1] += 2e-4 * surface.largest_irradiance();
-  const Certificate bad = audit(surface, points, layer, values, 1e-4, engine.tail_bound(), all, 5);
+}
+
+TEST_F(AuditOfALayer, FindsAWrongValue) {
+  values_[7][1] += 2e-4 * surface_.largest_irradiance();
+  const Certificate bad = certificate();
   EXPECT_FALSE(bad.passed());
   // The value is off by 2e-4, the engine by at most 1e-4; normalising may double it where the mass is one
   // half.
   EXPECT_GE(bad.max_error, 1e-4);
   EXPECT_LE(bad.max_error, 2.0 * 3e-4);
+}
+
+// Comparisons with what is not a number are false, so a maximum passes over it.
+TEST_F(AuditOfALayer, FindsAValueThatIsNoNumber) {
+  const Vec4d good = values_[7];
+  for (const double wrong :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (int c = 0; c < 4; ++c) {
+      values_[7] = good;
+      values_[7][c] = wrong;
+      EXPECT_FALSE(certificate().passed()) << c;
+    }
+  }
 }
 
 // The closed form must reach as far as the tolerance asks, or the audit blames the engine for its own tail.
@@ -134,7 +163,9 @@ TEST(Audit, PassesAtTheSmallestToleranceThatAnExperimentMayAsk) {
   const FastEngine engine(surface, 1e-9);
   const std::vector<std::uint32_t> all = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
   const TruthValues values = engine.convolve(points, layer);
-  const Certificate certificate = audit(surface, points, layer, values, 1e-9, engine.tail_bound(), all, 5);
+  const TruthValues exact = ExactEngine(surface, audit_reach_std_devs(1e-9)).convolve(points, layer);
+  const Certificate certificate =
+      audit(values[0], exact[0], all, {1e-9, engine.tail_bound(), surface.largest_irradiance(), 5});
   EXPECT_LE(certificate.max_error, 1e-9);
 }
 

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "config/experiment_spec.h"
+#include "experiment/layer_source.h"
+#include "experiment/scene_setup.h"
+#include "truth/fast.h"
+
+namespace truescatter {
+
+// Puts something in the place of a source: a test's doubtful engine.
+using SourceWrapper = std::function<std::unique_ptr<LayerSource>(LayerKind, std::unique_ptr<LayerSource>)>;
+
+// The surfaces and engines of a scene, which all its views share.
+class SceneTruths {
+ public:
+  // `geodesic`: whether any truth is. The scene outlives it.
+  SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, SourceWrapper wrap = {});
+  SceneTruths(const SceneTruths&) = delete;
+  SceneTruths& operator=(const SceneTruths&) = delete;
+
+  // Why the mesh cannot carry truths of this target; empty: it can.
+  std::string obstacle(const OwnTarget& target) const;
+  // Null where the mesh carries no geodesics, or nobody asked for them.
+  const GeodesicSurface* geodesic() const { return geodesic_ ? &*geodesic_ : nullptr; }
+  // The points outlive the source; the kind has no obstacle.
+  std::unique_ptr<LayerSource> source(LayerKind kind, const ViewPoints& points) const;
+
+ private:
+  double tolerance_;
+  Surface skin_;
+  FastEngine engine_;
+  std::optional<GeodesicSurface> geodesic_;
+  std::string no_geodesics_;  // why
+  SourceWrapper wrap_;
+};
+
+}  // namespace truescatter

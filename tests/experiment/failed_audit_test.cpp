@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "config/experiment_spec.h"
+#include "experiment/run_experiment.h"
+#include "support/error_of.h"
+#include "support/temp_dir.h"
+
+namespace truescatter::test {
+namespace {
+
+// A source whose results have been tampered with.
+class TamperedSource : public LayerSource {
+ public:
+  using Tamper = std::function<void(std::vector<ComputedLayer>&)>;
+
+  TamperedSource(std::unique_ptr<LayerSource> honest, Tamper tamper)
+      : honest_(std::move(honest)), tamper_(std::move(tamper)) {}
+
+  std::vector<ComputedLayer> compute(std::span<const TruthLayer> layers,
+                                     const std::function<void(std::size_t)>& advance) const override {
+    std::vector<ComputedLayer> computed = honest_->compute(layers, advance);
+    tamper_(computed);
+    return computed;
+  }
+  TruthValues audit_values(std::span<const std::uint32_t> chosen,
+                           std::span<const TruthLayer> layers) const override {
+    return honest_->audit_values(chosen, layers);
+  }
+  double tail_bound() const override { return honest_->tail_bound(); }
+  double largest_irradiance() const override { return honest_->largest_irradiance(); }
+
+ private:
+  std::unique_ptr<LayerSource> honest_;
+  Tamper tamper_;
+};
+
+// A square in even light, of which the view sees 24 x 24 points.
+constexpr const char* kExperiment = R"(
+[scene]
+mesh = "builtin:plane"
+[scene.parameters]
+size_mm = 20.0
+edge_mm = 5.0
+[[light]]
+direction = [0.0, 0.5, 1.0]
+[[view]]
+name = "front"
+eye_mm = [0.0, 0.0, 100.0]
+fov_deg = 10.0
+width_px = 24
+height_px = 24
+[[profile]]
+name = "spike-and-base"
+[[method]]
+name = "none"
+[[method]]
+name = "texture-space"
+[truth]
+audit_points = 576
+)";
+
+class FailedAudit : public testing::Test {
+ protected:
+  // Runs the experiment with results of one kind tampered with.
+  std::optional<Error> run(LayerKind kind, const TamperedSource::Tamper& tamper) const {
+    const ExperimentSpec spec = read_experiment(folder_.write("e.toml", kExperiment));
+    return error_of([&] {
+      run_experiment(spec, out_.path(), [&](LayerKind of, std::unique_ptr<LayerSource> honest) {
+        return of == kind ? std::make_unique<TamperedSource>(std::move(honest), tamper) : std::move(honest);
+      });
+    });
+  }
+
+  TempDir folder_;
+  TempDir out_;
+};
+
+// What is wrong by more than the tolerance at a single one of the audited points ends the run with exit code
+// 3 and writes nothing, so nothing is ranked. Largest irradiance: cos(atan 0.5) = 0.89.
+TEST_F(FailedAudit, EndsTheRunWithThreeAndRanksNothing) {
+  for (const LayerKind kind : {LayerKind::euclidean, LayerKind::geodesic}) {
+    const std::optional<Error> error =
+        run(kind, [](std::vector<ComputedLayer>& computed) { computed.back().values[300][1] += 3e-4; });
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->exit_code(), 3);
+    const std::string name = kind == LayerKind::geodesic ? "the geodesic truth" : "the truth";
+    EXPECT_TRUE(
+        std::string(error->what()).starts_with("the audit of " + name + " failed: at standard deviation "))
+        << error->what();
+    EXPECT_TRUE(std::string(error->what()).ends_with("nothing is ranked")) << error->what();
+    EXPECT_EQ(out_.names(), std::vector<std::string>{});
+  }
+}
+
+TEST_F(FailedAudit, IsWhatAValueThatIsNoNumberLeadsTo) {
+  const std::optional<Error> error = run(LayerKind::euclidean, [](std::vector<ComputedLayer>& computed) {
+    computed.front().values[0][3] = std::numeric_limits<double>::quiet_NaN();
+  });
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->exit_code(), 3);
+  EXPECT_EQ(out_.names(), std::vector<std::string>{});
+}
+
+// The seam itself changes nothing: the same run, untouched, is through.
+TEST_F(FailedAudit, DoesNotHappenToHonestResults) {
+  const std::optional<Error> error = run(LayerKind::euclidean, [](std::vector<ComputedLayer>&) {});
+  EXPECT_FALSE(error) << error->what();
+  EXPECT_TRUE(std::filesystem::exists(out_.path() / "results.json"));
+}
+
+}  // namespace
+}  // namespace truescatter::test

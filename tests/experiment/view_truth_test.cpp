@@ -1,0 +1,197 @@
+#include "experiment/view_truth.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "experiment/scene_truths.h"
+#include "scene/mesh.h"
+
+namespace truescatter::test {
+namespace {
+
+double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11U) * 0x1.0p-53; }
+
+// A sheet of 24 mm along u and 12 mm along v, folded about u = 0 by `fold_deg`: (u, v) keeps its place in the
+// sheet, and folding stretches nothing.
+Mesh folded_sheet(double fold_deg) {
+  constexpr int kColumns = 8;
+  constexpr int kRows = 4;
+  std::mt19937_64 generator(3);
+  const double fold = fold_deg * kPi / 180.0;
+  Mesh mesh;
+  for (int j = 0; j <= kRows; ++j) {
+    for (int i = 0; i <= kColumns; ++i) {
+      const bool on_a_line = i == 0 || i == kColumns || 2 * i == kColumns || j == 0 || j == kRows;
+      const Vec2d shift = on_a_line ? Vec2d(0.0, 0.0) : Vec2d(uniform(generator), uniform(generator));
+      const Vec2d uv = 3.0 * Vec2d(i - kColumns / 2, j - kRows / 2) + shift;
+      const double along = std::max(uv.x(), 0.0);
+      mesh.positions_mm.emplace_back(std::min(uv.x(), 0.0) + along * std::cos(fold), uv.y(),
+                                     along * std::sin(fold));
+    }
+  }
+  for (int j = 0; j < kRows; ++j) {
+    for (int i = 0; i < kColumns; ++i) {
+      const int a = j * (kColumns + 1) + i;
+      const int d = a + kColumns + 1;
+      mesh.triangles.push_back({a, a + 1, d + 1});
+      mesh.triangles.push_back({a, d + 1, d});
+    }
+  }
+  set_angle_weighted_normals(mesh, 1.0);
+  return mesh;
+}
+
+// Lit by something that grows along v and across the fold, the same at the same place of the sheet: linear
+// between the mesh's vertices, so that refinement changes nothing.
+PreparedScene lit_sheet(double fold_deg) {
+  PreparedScene scene;
+  scene.mesh = folded_sheet(fold_deg);
+  // Splits every edge that is longer than 1 mm.
+  Camera camera;
+  camera.eye_mm = Vec3d(-30.0, 0.0, 60.0);
+  const Lighting lighting(scene.mesh, {Light{}});
+  scene.shading = make_shading_mesh(scene.mesh, lighting, SkinMask(), {0.02, 0.5, {camera}, 1.0});
+  const Mesh flat = folded_sheet(0.0);
+  const auto value = [](const Vec3d& sheet) {
+    return Vec3d(1.0 + sheet.x() / 13.0, 1.0 + sheet.y() / 7.0, 0.5 - sheet.x() / 30.0);
+  };
+  for (ShadingTriangle& triangle : scene.shading.triangles) {
+    for (std::size_t c = 0; c < 3; ++c)
+      triangle.irradiance[c] = value(position_mm(flat, {triangle.base, triangle.base_barycentric[c]}));
+  }
+  scene.largest_irradiance = largest_skin_irradiance(scene.shading);
+  return scene;
+}
+
+// A picture, one pixel high, of these points of the scene's mesh.
+FrameImages images_of(const PreparedScene& scene, const std::vector<MeshPoint>& places) {
+  FrameImages images;
+  const auto width = static_cast<int>(places.size());
+  images.mask = Image(width, 1, 1, 1.0F);
+  images.face_normal = Image(width, 1, 3);
+  for (int x = 0; x < width; ++x) {
+    const MeshPoint& place = places[static_cast<std::size_t>(x)];
+    images.face_normal.set_rgb(x, 0, triangle_normal(scene.mesh, place.triangle));
+    PixelSurface seen;
+    for (std::size_t t = 0; t < scene.shading.triangles.size(); ++t) {
+      const ShadingTriangle& triangle = scene.shading.triangles[t];
+      if (triangle.base != place.triangle) continue;
+      Mat3d corners;
+      for (int c = 0; c < 3; ++c) corners.col(c) = triangle.base_barycentric[static_cast<std::size_t>(c)];
+      const Vec3d inside = corners.inverse() * place.barycentric;
+      if (inside.minCoeff() >= 0.0) seen = {static_cast<int>(t), inside};
+    }
+    images.surface.push_back(seen);
+  }
+  return images;
+}
+
+std::vector<MeshPoint> random_places(const Mesh& mesh, std::size_t count) {
+  std::mt19937_64 generator(11);
+  std::vector<MeshPoint> places;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double root = std::sqrt(uniform(generator));
+    const double b = uniform(generator);
+    places.push_back({generator() % mesh.triangle_count(), Vec3d(1.0 - root, root * (1.0 - b), root * b)});
+  }
+  return places;
+}
+
+Profile two_gaussians() {
+  Profile profile;
+  profile.name = "two";
+  profile.delta_weight = Vec3d(0.1, 0.2, 0.0);
+  profile.terms = {{Vec3d(0.5, 0.5, 0.5), Vec3d(0.4, 0.5, 0.7)},
+                   {Vec3d(4.0, 4.0, 4.0), Vec3d(0.5, 0.3, 0.3)}};
+  profile.r_max_mm = 6.0;
+  return profile;
+}
+
+// One target's truth of a scene at some places, every one of them audited.
+TruthImage truth_of(const PreparedScene& scene, const std::vector<MeshPoint>& places,
+                    const OwnTarget& target) {
+  TruthSpec spec;
+  spec.audit_points = static_cast<int>(places.size());
+  const SceneTruths truths(scene, spec, target.geodesic);
+  EXPECT_EQ(truths.obstacle(target), "");
+  const FrameImages images = images_of(scene, places);
+  ViewTruth truth(scene, images);
+  EXPECT_EQ(truth.points().size(), places.size());
+  const Profile profile = two_gaussians();
+  truth.compute(
+      {{&profile, target}}, spec,
+      [&](LayerKind kind, const ViewPoints& points) { return truths.source(kind, points); },
+      truths.geodesic());
+  EXPECT_EQ(truth.audited().points.size(), places.size());
+  return truth.image({&profile, target});
+}
+
+double largest_difference(const Image& a, const Image& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.data().size(); ++i)
+    largest = std::max(largest, static_cast<double>(std::abs(a.data()[i] - b.data()[i])));
+  return largest;
+}
+
+// Folding a sheet changes no distance along it: its geodesic truth is the flat sheet's Euclidean one. Both
+// are audited at every point, so they differ by their uncertainties and by the pictures' rounding (2^-24 of
+// values below 2) at most. Distances through the air do change.
+TEST(GeodesicViewTruth, IsTheEuclideanTruthOfTheUnfoldedSheet) {
+  const PreparedScene flat = lit_sheet(0.0);
+  const PreparedScene folded = lit_sheet(100.0);
+  ASSERT_GT(folded.shading.triangles.size(), 10 * folded.mesh.triangle_count());
+  const std::vector<MeshPoint> places = random_places(flat.mesh, 120);
+  for (const bool normalised : {true, false}) {
+    for (const std::optional<double> r_max_mm : {std::optional<double>(), std::optional<double>(2.5)}) {
+      const TruthImage euclidean = truth_of(flat, places, {false, normalised, r_max_mm});
+      const TruthImage geodesic = truth_of(folded, places, {true, normalised, r_max_mm});
+      const double bound = euclidean.certificate.uncertainty() * flat.largest_irradiance +
+                           geodesic.certificate.uncertainty() * folded.largest_irradiance + 2.0 * 0x1p-23;
+      EXPECT_LE(largest_difference(geodesic.rgb, euclidean.rgb), bound);
+      EXPECT_LE(largest_difference(geodesic.smallest_mass, euclidean.smallest_mass), bound);
+      const TruthImage through_air = truth_of(folded, places, {false, normalised, r_max_mm});
+      EXPECT_GT(largest_difference(through_air.rgb, geodesic.rgb), 10.0 * bound);
+    }
+  }
+}
+
+// Of a cut Gaussian the mass is told as a share of what a plane has: whole in the middle of the sheet, where
+// the cut at 2.5 mm leaves 1 - exp(-2.5^2 / 8) = 54 % of the wide one.
+TEST(GeodesicViewTruth, TellsMassAsAShareOfAPlanes) {
+  const PreparedScene scene = lit_sheet(0.0);
+  std::size_t middle = 0;
+  for (std::size_t t = 0; t < scene.mesh.triangle_count(); ++t) {
+    const Vec3d center = position_mm(scene.mesh, {t, Vec3d::Constant(1.0 / 3.0)});
+    const Vec3d best = position_mm(scene.mesh, {middle, Vec3d::Constant(1.0 / 3.0)});
+    if (center.norm() < best.norm()) middle = t;
+  }
+  const TruthImage truth = truth_of(scene, {{middle, Vec3d::Constant(1.0 / 3.0)}}, {true, true, 2.5});
+  EXPECT_NEAR(truth.smallest_mass.at(0, 0, 0), 1.0, 2.0 * 1e-4);  // the tolerance over 0.54
+}
+
+// An edge of three triangles: the reason names it, and the Euclidean truth is there all the same.
+TEST(GeodesicViewTruth, HasAReasonWhereTheMeshCarriesNone) {
+  PreparedScene scene = lit_sheet(0.0);
+  scene.mesh.positions_mm.emplace_back(0.0, 0.0, 5.0);
+  const auto [a, b, c] = scene.mesh.triangles[0];
+  scene.mesh.triangles.push_back({a, b, static_cast<int>(scene.mesh.positions_mm.size()) - 1});
+  const SceneTruths truths(scene, TruthSpec{}, true);
+  EXPECT_EQ(truths.geodesic(), nullptr);
+  EXPECT_EQ(truths.obstacle(OwnTarget{}), "");
+  EXPECT_TRUE(truths.obstacle({true, true, std::nullopt})
+                  .starts_with("the mesh carries no geodesics: triangles 0 and 64 run along one edge"))
+      << truths.obstacle({true, true, std::nullopt});
+}
+
+// Nobody asked: nothing is built, whatever the mesh.
+TEST(GeodesicViewTruth, IsNotBuiltUnlessAskedFor) {
+  const PreparedScene scene = lit_sheet(0.0);
+  EXPECT_EQ(SceneTruths(scene, TruthSpec{}, false).geodesic(), nullptr);
+  EXPECT_NE(SceneTruths(scene, TruthSpec{}, true).geodesic(), nullptr);
+}
+
+}  // namespace
+}  // namespace truescatter::test
