@@ -73,6 +73,13 @@ json run(const std::string& label, double scale, int passes) {
             {"truth", nullptr},
             {"metrics", nullptr},
             {"metrics_reason", "no geodesic truth"}}},
+          {"extra_targets",
+           {{{"metric", "geodesic"},
+             {"normalised", true},
+             {"r_max_mm", nullptr},
+             {"truth", "front/skin/geodesic-normalised"},
+             {"distinguishable", scale > 0.001},
+             {"metrics", error_metrics(scale)}}}},
           {"cost",
            {{"frame_ms", {{"median", 2.0}, {"min", 1.5}, {"max", 2.5}, {"repeats", 3}}},
             {"setup_ms", 1.0},
@@ -100,13 +107,15 @@ json sample_results() {
       {"low_mass_pixels", 1},
       {"certificate",
        {{"audited", 12},
+        {"classes", {{"random", 6}, {"shadow_edge", 3}, {"mask_edge", 0}, {"cut_locus", 3}}},
         {"max_error", 1e-5},
         {"tolerance", 1e-4},
         {"tail_bound", 2e-5},
         {"open_share_95", 0.2}}},
       {"files", {{"picture", "maps/front.skin.truth.png"}, {"exr", "maps/front.skin.truth.exr"}}}};
   json skipped = run("texture-space", 0.1, 1);
-  for (const char* key : {"metrics", "own_target", "cost", "files", "distinguishable"}) skipped.erase(key);
+  for (const char* key : {"metrics", "own_target", "extra_targets", "cost", "files", "distinguishable"})
+    skipped.erase(key);
   skipped["skipped"] = "this method needs UVs, and the mesh has none";
   return {
       {"schema", "truescatter-results-1"},

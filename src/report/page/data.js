@@ -83,6 +83,10 @@ function lookUp(object, path) {
   };
 }
 
+// An object inside another by its path; empty where there is none.
+const lookUpObject = (object, path) =>
+    path.split(".").reduce((o, key) => (o && typeof o === "object" ? o[key] : undefined), object) || {};
+
 const relativeError = (run) => lookUp(run, "metrics.rel_rmse").value;
 const frameMs = (run) => lookUp(run, "cost.frame_ms.median").value;
 const fetches = (run) => lookUp(run, "cost.fetches_per_pixel").value;

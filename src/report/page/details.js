@@ -157,18 +157,47 @@ function truthsCard() {
             "this share of the points is worse than the largest difference found."),
       plainTable(
           [
-            "View", "Profile", "Target", "points", "audited", "largest difference", "allowed", "tail bound",
+            "View", "Profile", "Target", "for", "points", "audited", "largest difference", "allowed", "tail bound",
             "uncertainty", "open share", "mass < 0.5", "seconds"
           ],
           truths.map((t) => {
             const c = t.certificate || {};
             return [
-              t.view, profileTitle(t.profile), targetName(t), count(t.points), count(c.audited),
+              t.view, profileTitle(t.profile), targetName(t), roleOf(t), count(t.points),
+              h("span", {title: auditedWhere([t])}, count(c.audited)),
               scientific(c.max_error), scientific(c.tolerance), scientific(c.tail_bound),
               scientific(t.uncertainty), percent(c.open_share_95),
               isNumber(t.low_mass_pixels) ? count(t.low_mass_pixels) : EN_DASH, number(t.seconds)
             ];
           })));
+}
+
+// How the methods fare against the truths that were asked for beside the headline; nothing where none was.
+function extraTargetsCard() {
+  const rows = cases.flatMap(
+      (c) => [...c.runs].sort(byError).flatMap((run) => list(run.extra_targets).map((extra) => {
+        const found = lookUp(extra, "metrics.rel_rmse");
+        const shown = found.value === null ? extra.metrics_reason || found.reason :
+            extra.distinguishable === false ? "not distinguishable" :
+                                              percent(found.value);
+        return [caseName(c), methodName(run.label), targetName(extra), shown, errorText(run)];
+      })));
+  return rows.length > 0 &&
+      card(
+          "Against other truths",
+          h("p", {class: "muted"},
+            "RMSE of luminance relative to the RMS of each truth. What differs between the columns is what " +
+                "the truths mean by distance, not what the method does."),
+          plainTable(["Case", "Method", "Truth", "rel. RMSE", "against the headline"], rows));
+}
+
+// What a truth is there for.
+function roleOf(truth) {
+  const own = list(truth.own_target_of);
+  return [
+    truth.headline && "headline", own.length > 0 && "own target of " + own.join(", "), truth.extra && "asked for"
+  ].filter(Boolean)
+      .join("; ");
 }
 
 function machineCard() {
@@ -224,5 +253,5 @@ function detailsSection() {
       h("div", {class: "cards"}, questionCard(), machineCard(), sceneCard(), uvCard(),
         profiles.map(
             (profile) => card(profile.title || profile.name, profileText(profile), gaussianTable(profile)))),
-      viewsCard(), methodsCard(), truthsCard());
+      viewsCard(), methodsCard(), extraTargetsCard(), truthsCard());
 }

@@ -43,6 +43,24 @@ function isCertified(truth) {
   return isNumber(error) && isNumber(tolerance) && error <= tolerance;
 }
 
+const AUDIT_CLASSES = {
+  random: "drawn at random",
+  mask_edge: "at the skin\u2019s edge",
+  shadow_edge: "at shadow edges",
+  crease: "at creases",
+  smallest_s: "where the surface bends within the smallest s",
+  cut_locus: "where cut loci start"
+};
+
+// "128 drawn at random, 26 at shadow edges, ..." over these truths, those of one view counted once.
+function auditedWhere(of) {
+  const sums = new Map();
+  for (const classes of new Map(of.map((truth) => [truth.view, lookUpObject(truth, "certificate.classes")])).values())
+    for (const name of Object.keys(AUDIT_CLASSES))
+      if (classes[name] > 0) sums.set(name, (sums.get(name) || 0) + classes[name]);
+  return [...sums].map(([name, points]) => `${count(points)} ${AUDIT_CLASSES[name]}`).join(", ");
+}
+
 function certificatePanel() {
   const largest = worst("certificate.max_error"), tolerance = worst("certificate.tolerance");
   const failed = truths.some((truth) => !isCertified(truth));
@@ -64,10 +82,13 @@ function certificatePanel() {
             "In units of the scene\u2019s largest irradiance, the worst of ",
         plural(truths.length, "truth"), ":"),
       h("dl", {}, row("Largest difference", scientific(largest), `of ${scientific(tolerance)} allowed`),
-        row("Pixels audited", count(audited), "half random, half where the risk is highest"),
+        row("Pixels audited", count(audited), auditedWhere(truths) || "half random, half where the risk is highest"),
+        row("Left open", percent(worst("certificate.open_share_95")),
+            "of a view\u2019s pixels at most, at 95 % confidence, may differ by more"),
         row("Tail beyond the search", scientific(worst("certificate.tail_bound")), "bound"),
         row("Uncertainty", scientific(worst("uncertainty")),
-            "an error below it is \u201cnot distinguishable\u201d")),
+            "difference + tail, times a profile\u2019s weights where they exceed 1; an error below it is " +
+                "\u201cnot distinguishable\u201d")),
       h("p", {class: "aside"}, h("b", {}, "Never added: "),
         "the irradiance field that methods and truth share differs from the " +
             `real lighting by ${scientific(residual.mean)} (mean) and ${

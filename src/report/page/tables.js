@@ -17,7 +17,8 @@ function ownError(run, channel) {
   const own = run.own_target || {};
   const found = own.metrics ? lookUp(channelOf(own.metrics, channel), "rmse") :
                               {value: null, reason: own.metrics_reason || "not measured"};
-  return {...found, value: inErrorUnits(found.value), note: "against " + targetName(own)};
+  const doubt = own.distinguishable === false ? "; at or below that truth\u2019s uncertainty" : "";
+  return {...found, value: inErrorUnits(found.value), note: "against " + targetName(own) + doubt};
 }
 
 const flip = (run, channel) =>
