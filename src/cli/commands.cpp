@@ -80,7 +80,9 @@ int run(const RunArguments& arguments) {
     return 0;
   }
   ResultFolder results(folder);
-  const RunOutcome outcome = run_experiment(spec, results.working());
+  const std::unique_ptr<TruthCache> cache =
+      spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
+  const RunOutcome outcome = run_experiment(spec, results.working(), cache.get());
   write_report(results.working());
   results.publish();
   fmt::print("{}\n", (folder / "report.html").string());

@@ -92,6 +92,7 @@ struct TruthSpec {
   // Geodesic truths: own (where a method aims at one) | extra (every method is measured against one too) |
   // off.
   std::string geodesic = "own";
+  bool cache = true;  // truths are looked for in the user's cache, and kept there
 };
 
 struct TimingSpec {

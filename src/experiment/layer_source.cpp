@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "core/content_hash.h"
 #include "truth/audit.h"
 #include "truth/exact.h"
 #include "truth/geodesic_exact.h"
@@ -10,6 +11,17 @@
 
 namespace truescatter {
 namespace {
+
+// To be raised with every change that may change a bit of an engine's results: cached truths are found by it.
+constexpr int kFastEngineVersion = 1;
+constexpr int kGeodesicFastEngineVersion = 1;
+
+void append_engine(ContentHash& hash, const std::string& name, int version, double tolerance) {
+  hash.append(name);
+  hash.append(version);
+  hash.append(std::string(TRUESCATTER_COMPILER " " TRUESCATTER_BUILD_TYPE " " TRUESCATTER_ARCH));
+  hash.append(tolerance);
+}
 
 class Stopwatch {
  public:
@@ -50,6 +62,24 @@ class EuclideanSource : public LayerSource {
   }
   double tail_bound() const override { return engine_.tail_bound(); }
   double largest_irradiance() const override { return surface_.largest_irradiance(); }
+  std::size_t point_count() const override { return points_.size(); }
+  bool computes_together() const override { return false; }
+  std::string content_key() const override {
+    ContentHash hash;
+    append_engine(hash, "euclidean", kFastEngineVersion, engine_.tolerance());
+    hash.append(surface_.triangles.size());
+    for (const SurfaceTriangle& triangle : surface_.triangles) {
+      for (const Vec3d& corner : triangle.corners_mm) hash.append(corner);
+      for (const Vec3d& value : triangle.irradiance) hash.append(value);
+      hash.append(triangle.component);
+    }
+    hash.append(points_.size());
+    for (const SurfacePoint& point : points_.on_surface) {
+      hash.append(point.position_mm);
+      hash.append(point.component);
+    }
+    return hash.hex();
+  }
 
  private:
   const Surface& surface_;
@@ -78,8 +108,40 @@ class GeodesicSource : public LayerSource {
   }
   double tail_bound() const override { return engine_.tail_bound(); }
   double largest_irradiance() const override { return surface_.largest_irradiance(); }
+  std::size_t point_count() const override { return points_.size(); }
+  bool computes_together() const override { return true; }
+  std::string content_key() const override {
+    ContentHash hash;
+    append_engine(hash, "geodesic", kGeodesicFastEngineVersion, engine_.tolerance());
+    append_surface(hash);
+    hash.append(points_.size());
+    for (const GeodesicTarget& target : points_.on_mesh) {
+      hash.append(target.point.face);
+      hash.append(target.point.barycentric);
+      hash.append(target.component);
+    }
+    return hash.hex();
+  }
 
  private:
+  void append_surface(ContentHash& hash) const {
+    const IntrinsicMesh& mesh = surface_.mesh();
+    hash.append(mesh.face_count());
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+      for (int j = 0; j < 3; ++j) {
+        hash.append(mesh.corner(f, j));
+        hash.append(mesh.corner_angle(f, j));
+        hash.append(mesh.vertex(f, j));
+      }
+      hash.append(surface_.pieces(f).size());
+      for (const FlatPiece& piece : surface_.pieces(f)) {
+        for (const Vec2d& corner : piece.corners_mm) hash.append(corner);
+        for (const Vec3d& value : piece.irradiance) hash.append(value);
+        hash.append(piece.component);
+      }
+    }
+  }
+
   const GeodesicSurface& surface_;
   GeodesicFastEngine engine_;
   const ViewPoints& points_;

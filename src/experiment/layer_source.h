@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "experiment/view_points.h"
@@ -22,7 +23,8 @@ LayerKind kind_of(const OwnTarget& target);
 // A layer at every point of a view.
 struct ComputedLayer {
   std::vector<Vec4d> values;  // as TruthValues
-  double seconds = 0.0;       // that the computation took
+  double seconds = 0.0;       // that the computation took, whenever that was
+  bool cached = false;        // that was in an earlier run
 };
 
 // Convolutions at the points of one view: by the engine that a run uses, and by the one that audits it. A
@@ -43,6 +45,19 @@ class LayerSource {
   // Of the engine that `compute` uses, in units of the largest irradiance.
   virtual double tail_bound() const = 0;
   virtual double largest_irradiance() const = 0;
+  virtual std::size_t point_count() const = 0;
+  // Whether a layer's values may depend, within the tolerance, on which others are computed with it.
+  virtual bool computes_together() const = 0;
+  // A hash of all that the values depend on, but for the layers: surface, irradiance, points, kind of
+  // distance, tolerance, and the engine's version and build.
+  virtual std::string content_key() const = 0;
+
+  // After an audit: it was passed, so the values may be kept for later runs; or it was not, and those that an
+  // earlier run kept are to be forgotten.
+  // `computed` is the l-th of layers that were computed at once.
+  virtual void keep(std::span<const TruthLayer> /*layers*/, std::size_t /*l*/,
+                    const ComputedLayer& /*computed*/) const {}
+  virtual void forget(std::span<const TruthLayer> /*layers*/) const {}
 };
 
 // Each layer by itself: the engine shares nothing between layers.

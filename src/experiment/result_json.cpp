@@ -94,6 +94,7 @@ json truth_json(const std::string& view, const PlannedTruth& planned, const Trut
   object["own_target_of"] = planned.own_target_of;
   object["extra"] = planned.extra;
   object["seconds"] = truth.seconds;
+  object["cached"] = truth.cached;
   object["uncertainty"] = truth.certificate.uncertainty();
   object["certificate"] = certificate_json(truth.certificate, audited);
   return object;

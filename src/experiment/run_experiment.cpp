@@ -35,7 +35,7 @@ double common_range(const json& results) {
 
 }  // namespace
 
-RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder,
+RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder, TruthCache* cache,
                           const SourceWrapper& wrap) {
   const Plan plan = make_plan(spec);
   const PreparedScene scene = prepare_scene(spec);
@@ -45,7 +45,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const bool geodesic = std::any_of(planned.begin(), planned.end(), [](const PlannedTruth& truth) {
     return truth.target.geodesic && truth.not_computed.empty();
   });
-  const SceneTruths truths(scene, spec.truth, geodesic, wrap);
+  const SceneTruths truths(scene, spec.truth, geodesic, cache, wrap);
   const Setup setup{spec, plan, scene, context, buffers, truths};
 
   json results = {{"schema", kResultsSchema},

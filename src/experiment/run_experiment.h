@@ -16,8 +16,9 @@ struct RunOutcome {
 
 // Runs an experiment and writes results.json, results.csv, experiment.resolved.toml and maps/ into `folder`,
 // which must be there. Throws Error: input as it is found, run for a failed audit, the driver or the disk.
-// `wrap`: for tests of what a run does with an engine that errs.
+// `cache`: where truths are looked for first and kept; null for none. `wrap`: for tests of what a run does
+// with an engine that errs.
 RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder,
-                          const SourceWrapper& wrap = {});
+                          TruthCache* cache = nullptr, const SourceWrapper& wrap = {});
 
 }  // namespace truescatter

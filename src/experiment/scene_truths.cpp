@@ -3,12 +3,16 @@
 #include <cassert>
 #include <utility>
 
+#include "experiment/cached_source.h"
+
 namespace truescatter {
 
-SceneTruths::SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, SourceWrapper wrap)
+SceneTruths::SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, TruthCache* cache,
+                         SourceWrapper wrap)
     : tolerance_(spec.tolerance),
       skin_(skin_surface(scene.shading)),
       engine_(skin_, spec.tolerance),
+      cache_(cache),
       wrap_(std::move(wrap)) {
   if (!geodesic) return;
   // The run goes on without them: everything else can be measured.
@@ -29,7 +33,8 @@ std::unique_ptr<LayerSource> SceneTruths::source(LayerKind kind, const ViewPoint
   std::unique_ptr<LayerSource> source = kind == LayerKind::geodesic
                                             ? geodesic_source(*geodesic_, tolerance_, points)
                                             : euclidean_source(skin_, engine_, points);
-  return wrap_ ? wrap_(kind, std::move(source)) : std::move(source);
+  if (wrap_) source = wrap_(kind, std::move(source));
+  return cache_ != nullptr ? cached_source(std::move(source), *cache_) : std::move(source);
 }
 
 }  // namespace truescatter

@@ -8,6 +8,7 @@
 #include "config/experiment_spec.h"
 #include "experiment/layer_source.h"
 #include "experiment/scene_setup.h"
+#include "truth/cache.h"
 #include "truth/fast.h"
 
 namespace truescatter {
@@ -18,8 +19,9 @@ using SourceWrapper = std::function<std::unique_ptr<LayerSource>(LayerKind, std:
 // The surfaces and engines of a scene, which all its views share.
 class SceneTruths {
  public:
-  // `geodesic`: whether any truth is. The scene outlives it.
-  SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, SourceWrapper wrap = {});
+  // `geodesic`: whether any truth is. `cache`: null for none. Scene and cache outlive it.
+  SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, TruthCache* cache = nullptr,
+              SourceWrapper wrap = {});
   SceneTruths(const SceneTruths&) = delete;
   SceneTruths& operator=(const SceneTruths&) = delete;
 
@@ -36,6 +38,7 @@ class SceneTruths {
   FastEngine engine_;
   std::optional<GeodesicSurface> geodesic_;
   std::string no_geodesics_;  // why
+  TruthCache* cache_;
   SourceWrapper wrap_;
 };
 

@@ -33,11 +33,11 @@ TruthLayer ViewTruth::layer_of(double variance_mm2, const OwnTarget& target) con
   return layer;
 }
 
-const ViewTruth::LayerResult& ViewTruth::result_of(LayerKind kind, const TruthLayer& layer) const {
+std::size_t ViewTruth::index_of(LayerKind kind, const TruthLayer& layer) const {
   const auto found = std::find_if(layers_.begin(), layers_.end(),
                                   [&](const LayerResult& r) { return r.kind == kind && r.layer == layer; });
   assert(found != layers_.end());
-  return *found;
+  return static_cast<std::size_t>(found - layers_.begin());
 }
 
 void ViewTruth::compute_kind(LayerKind kind, const std::vector<TruthLayer>& layers,
@@ -51,26 +51,46 @@ void ViewTruth::compute_kind(LayerKind kind, const std::vector<TruthLayer>& laye
     layers_.push_back({kind, layers[l], std::move(computed[l]), {}});
 }
 
-void ViewTruth::audit_kind(LayerKind kind, const LayerSource& source) {
-  std::vector<LayerResult*> results;
-  std::vector<TruthLayer> layers;
-  for (LayerResult& result : layers_) {
-    if (result.kind != kind) continue;
-    results.push_back(&result);
-    layers.push_back(result.layer);
-  }
+std::vector<Certificate> ViewTruth::audit_kind(LayerKind kind, const std::vector<TruthLayer>& layers,
+                                               const LayerSource& source) const {
   const Progress progress(fmt::format("audit of the {} at {} points", name_of(kind), sample_.points.size()),
                           1);
   const TruthValues exact = source.audit_values(sample_.points, layers);
   const AuditTerms terms{tolerance_, source.tail_bound(), source.largest_irradiance(), sample_.random_count};
+  std::vector<Certificate> certificates;
+  for (std::size_t l = 0; l < layers.size(); ++l)
+    certificates.push_back(
+        audit(layers_[index_of(kind, layers[l])].computed.values, exact[l], sample_.points, terms));
+  return certificates;
+}
+
+void ViewTruth::certify_kind(LayerKind kind, const std::vector<TruthLayer>& layers,
+                             const LayerSource& source) {
+  const auto all_passed = [](const std::vector<Certificate>& certificates) {
+    return std::all_of(certificates.begin(), certificates.end(), [](const auto& c) { return c.passed(); });
+  };
+  const auto is_kind = [&](const LayerResult& result) { return result.kind == kind; };
+  std::vector<Certificate> certificates = audit_kind(kind, layers, source);
+  const bool cached = std::any_of(layers_.begin(), layers_.end(),
+                                  [&](const LayerResult& r) { return is_kind(r) && r.computed.cached; });
+  if (cached && !all_passed(certificates)) {
+    fmt::print(stderr, "note: the {} in the cache fails its audit; it is computed again\n", name_of(kind));
+    source.forget(layers);
+    std::erase_if(layers_, is_kind);
+    compute_kind(kind, layers, source);
+    certificates = audit_kind(kind, layers, source);
+  }
   for (std::size_t l = 0; l < layers.size(); ++l) {
-    const Certificate found = audit(results[l]->computed.values, exact[l], sample_.points, terms);
-    results[l]->certificate = found;
-    if (found.passed()) continue;
+    if (certificates[l].passed()) continue;
     throw_run_error(
         "the audit of the {} failed: at standard deviation {:.4g} mm the fast engine is off by {:.3g} of the "
         "largest irradiance (allowed: {:.3g}); nothing is ranked",
-        name_of(kind), layers[l].std_dev_mm, found.max_error, found.tolerance);
+        name_of(kind), layers[l].std_dev_mm, certificates[l].max_error, certificates[l].tolerance);
+  }
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    LayerResult& result = layers_[index_of(kind, layers[l])];
+    result.certificate = certificates[l];
+    source.keep(layers, l, result.computed);
   }
 }
 
@@ -99,7 +119,8 @@ void ViewTruth::compute(const std::vector<Request>& requests, const TruthSpec& s
       [](const LayerResult& a, const LayerResult& b) { return a.layer.std_dev_mm < b.layer.std_dev_mm; });
   sample_ = draw_audit_sample({scene_.shading, images_, points_, narrowest->computed.values, geodesic},
                               static_cast<std::size_t>(spec.audit_points), spec.seed);
-  for (std::size_t k = 0; k < wanted.size(); ++k) audit_kind(wanted[k].first, *sources[k]);
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    certify_kind(wanted[k].first, wanted[k].second, *sources[k]);
 }
 
 TruthImage ViewTruth::image(const Request& request) const {
@@ -112,8 +133,9 @@ TruthImage ViewTruth::image(const Request& request) const {
   for (std::size_t i = 0; i < points_.size(); ++i)
     sum[i] = request.profile->delta_weight.cwiseProduct(points_.irradiance[i]);
   Vec3d weights = Vec3d::Zero();
+  truth.cached = true;
   for (const GaussianLevel& level : gaussian_levels(*request.profile)) {
-    const LayerResult& result = result_of(kind, layer_of(level.variance_mm2, request.target));
+    const LayerResult& result = layers_[index_of(kind, layer_of(level.variance_mm2, request.target))];
     const double whole = plane_mass(result.layer);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const Vec4d& value = result.computed.values[i];
@@ -123,6 +145,7 @@ TruthImage ViewTruth::image(const Request& request) const {
     }
     weights += level.weight.cwiseAbs();
     truth.seconds += result.computed.seconds;
+    truth.cached = truth.cached && result.computed.cached;
     Certificate& total = truth.certificate;
     const double largest = std::max(total.max_error, result.certificate.max_error);
     total = result.certificate;

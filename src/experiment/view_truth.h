@@ -24,7 +24,8 @@ struct TruthImage {
   // less where the Gaussian is cut off); 0 off the skin.
   Image smallest_mass;
   Certificate certificate;  // over the layers that it is made of
-  double seconds = 0.0;
+  double seconds = 0.0;     // that computing them took, whenever that was
+  bool cached = false;      // all of them were there from an earlier run
 };
 
 // The convolutions behind every truth of one view: all layers that profiles and targets need, each once.
@@ -42,7 +43,8 @@ class ViewTruth {
   using SourceOf = std::function<std::unique_ptr<LayerSource>(LayerKind, const ViewPoints&)>;
 
   // Computes and audits the layers of these targets; there is at least one point. `geodesic`: null if no
-  // target is. Throws Error (run) if an audit fails.
+  // target is. What comes from a cache is audited as well, which costs little and leaves nothing to be
+  // believed; if it fails, all layers of its kind are computed afresh. Throws Error (run) if an audit fails.
   void compute(const std::vector<Request>& requests, const TruthSpec& spec, const SourceOf& source_of,
                const GeodesicSurface* geodesic);
   // The truth image of a request that `compute` was given.
@@ -59,9 +61,12 @@ class ViewTruth {
   };
 
   TruthLayer layer_of(double variance_mm2, const OwnTarget& target) const;
-  const LayerResult& result_of(LayerKind kind, const TruthLayer& layer) const;
+  std::size_t index_of(LayerKind kind, const TruthLayer& layer) const;  // in layers_
   void compute_kind(LayerKind kind, const std::vector<TruthLayer>& layers, const LayerSource& source);
-  void audit_kind(LayerKind kind, const LayerSource& source);
+  // The certificates of all layers of a kind, whose order is that of `layers`.
+  std::vector<Certificate> audit_kind(LayerKind kind, const std::vector<TruthLayer>& layers,
+                                      const LayerSource& source) const;
+  void certify_kind(LayerKind kind, const std::vector<TruthLayer>& layers, const LayerSource& source);
 
   const PreparedScene& scene_;
   const FrameImages& images_;

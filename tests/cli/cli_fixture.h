@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/file.h"
+#include "support/environment.h"
 #include "support/run_program.h"
 #include "support/temp_dir.h"
 
@@ -54,7 +55,7 @@ inline std::string with(std::string text, const std::string& piece, const std::s
   return text.replace(at, piece.size(), replacement);
 }
 
-// Runs the built program in a folder of its own.
+// Runs the built program in a folder of its own, with a cache of its own.
 class Cli : public testing::Test {
  protected:
   ProgramResult truescatter(const std::vector<std::string>& arguments) const {
@@ -72,6 +73,8 @@ class Cli : public testing::Test {
   nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(text(name)); }
 
   TempDir folder_;
+  TempDir cache_;
+  EnvironmentVariable cache_variable_{"TRUESCATTER_CACHE", cache_.path().string()};
 };
 
 inline bool contains(const std::string& text, const std::string& piece) {

@@ -108,6 +108,7 @@ tolerance = 1e-9
 audit_points = 300
 seed = 42
 geodesic = "extra"
+cache = false
 
 [timing]
 warm_up = 4
@@ -203,6 +204,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.truth.audit_points, 300);
   EXPECT_EQ(spec.truth.seed, 42U);
   EXPECT_EQ(spec.truth.geodesic, "extra");
+  EXPECT_FALSE(spec.truth.cache);
   EXPECT_EQ(spec.timing.warm_up, 4);
   EXPECT_EQ(spec.timing.repeats, 9);
 
@@ -240,6 +242,8 @@ TEST_F(ExperimentSpecTest, HasTheDocumentedDefaults) {
   EXPECT_EQ(spec.truth.tolerance, 1e-4);
   EXPECT_EQ(spec.truth.audit_points, 256);
   EXPECT_EQ(spec.truth.seed, 1U);
+  EXPECT_EQ(spec.truth.geodesic, "own");
+  EXPECT_TRUE(spec.truth.cache);
   EXPECT_EQ(spec.timing.warm_up, 1);
   EXPECT_EQ(spec.timing.repeats, 3);
   EXPECT_TRUE(spec.thresholds.empty());
@@ -313,6 +317,7 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
   EXPECT_EQ(a.truth.audit_points, b.truth.audit_points);
   EXPECT_EQ(a.truth.seed, b.truth.seed);
   EXPECT_EQ(a.truth.geodesic, b.truth.geodesic);
+  EXPECT_EQ(a.truth.cache, b.truth.cache);
   EXPECT_EQ(a.timing.warm_up, b.timing.warm_up);
   EXPECT_EQ(a.timing.repeats, b.timing.repeats);
   ASSERT_EQ(a.thresholds.size(), b.thresholds.size());

@@ -30,6 +30,9 @@ class TamperedSource : public LayerSource {
   }
   double tail_bound() const override { return honest_->tail_bound(); }
   double largest_irradiance() const override { return honest_->largest_irradiance(); }
+  std::size_t point_count() const override { return honest_->point_count(); }
+  bool computes_together() const override { return honest_->computes_together(); }
+  std::string content_key() const override { return honest_->content_key(); }
 
  private:
   std::unique_ptr<LayerSource> honest_;
@@ -64,10 +67,11 @@ audit_points = 576
 class FailedAudit : public testing::Test {
  protected:
   // Runs the experiment with results of one kind tampered with.
-  std::optional<Error> run(LayerKind kind, const TamperedSource::Tamper& tamper) const {
+  std::optional<Error> run(LayerKind kind, const TamperedSource::Tamper& tamper,
+                           TruthCache* cache = nullptr) const {
     const ExperimentSpec spec = read_experiment(folder_.write("e.toml", kExperiment));
     return error_of([&] {
-      run_experiment(spec, out_.path(), [&](LayerKind of, std::unique_ptr<LayerSource> honest) {
+      run_experiment(spec, out_.path(), cache, [&](LayerKind of, std::unique_ptr<LayerSource> honest) {
         return of == kind ? std::make_unique<TamperedSource>(std::move(honest), tamper) : std::move(honest);
       });
     });
@@ -101,6 +105,47 @@ TEST_F(FailedAudit, IsWhatAValueThatIsNoNumberLeadsTo) {
   ASSERT_TRUE(error);
   EXPECT_EQ(error->exit_code(), 3);
   EXPECT_EQ(out_.names(), std::vector<std::string>{});
+}
+
+std::size_t files_in(const TempDir& folder) { return folder.names().size(); }
+
+// Nothing that failed is kept, so the next run is not spoilt.
+TEST_F(FailedAudit, LeavesNothingInTheCache) {
+  const TempDir folder;
+  TruthCache cache(folder.path(), 1 << 24);
+  EXPECT_TRUE(run(
+      LayerKind::euclidean,
+      [](std::vector<ComputedLayer>& computed) { computed.front().values[7][3] += 1e-3; }, &cache));
+  EXPECT_EQ(files_in(folder), 0U);
+  EXPECT_FALSE(run(
+      LayerKind::euclidean, [](std::vector<ComputedLayer>&) {}, &cache));
+  EXPECT_GT(files_in(folder), 0U);
+}
+
+// A layer in the cache that is whole but wrong, as an engine's earlier version may have left it: it fails its
+// audit, that is said, and it is computed again, once.
+TEST_F(FailedAudit, OfACachedTruthComputesItAgain) {
+  const TempDir folder;
+  TruthCache cache(folder.path(), 1 << 24);
+  const auto honest = [](std::vector<ComputedLayer>&) {};
+  ASSERT_FALSE(run(LayerKind::euclidean, honest, &cache));
+  for (const std::string& name : folder.names()) {
+    const std::string key = name.substr(0, name.find('.'));
+    std::optional<CachedLayer> layer = cache.find(key, 576);
+    ASSERT_TRUE(layer) << name;
+    for (Vec4d& value : layer->values) value[0] += 1e-3;
+    cache.store(key, *layer);
+  }
+  for (const bool spoilt : {true, false}) {
+    testing::internal::CaptureStderr();
+    EXPECT_FALSE(run(LayerKind::euclidean, honest, &cache));
+    const std::string said = testing::internal::GetCapturedStderr();
+    for (const char* what : {"the truth", "the geodesic truth"}) {
+      const std::string note =
+          std::string("note: ") + what + " in the cache fails its audit; it is computed again\n";
+      EXPECT_EQ(said.find(note) != std::string::npos, spoilt) << said;
+    }
+  }
 }
 
 // The seam itself changes nothing: the same run, untouched, is through.

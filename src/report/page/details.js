@@ -167,7 +167,8 @@ function truthsCard() {
               h("span", {title: auditedWhere([t])}, count(c.audited)),
               scientific(c.max_error), scientific(c.tolerance), scientific(c.tail_bound),
               scientific(t.uncertainty), percent(c.open_share_95),
-              isNumber(t.low_mass_pixels) ? count(t.low_mass_pixels) : EN_DASH, number(t.seconds)
+              isNumber(t.low_mass_pixels) ? count(t.low_mass_pixels) : EN_DASH,
+              number(t.seconds) + (t.cached ? " (cached)" : "")
             ];
           })));
 }

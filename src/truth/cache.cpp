@@ -1,0 +1,232 @@
+#include "truth/cache.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "core/content_hash.h"
+#include "core/parse_number.h"
+
+namespace truescatter {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMagic = "truescatter truth 1\n";
+constexpr const char* kExtension = ".truth";
+constexpr const char* kTemporaryExtension = ".part";
+constexpr auto kStaleAge = std::chrono::hours(1);
+constexpr std::uintmax_t kMiB = 1024 * 1024;
+constexpr int kDefaultLimitMiB = 4096;
+
+void note(const fs::path& path, const std::string& text) {
+  fmt::print(stderr, "note: {}: {}\n", path.string(), text);
+}
+
+// What follows the magic: points, seconds, a checksum of the key and of all but itself, and the values, in
+// the machine's own byte order.
+struct Header {
+  std::uint64_t points = 0;
+  double seconds = 0.0;
+  std::array<char, 40> checksum{};
+};
+static_assert(sizeof(Header) == 56);
+
+std::array<char, 40> checksum_of(const std::string& key, const Header& header, const Vec4d* values) {
+  ContentHash hash;
+  hash.append(key);
+  hash.append(header.points);
+  hash.append(header.seconds);
+  hash.append(values, header.points * sizeof(Vec4d));
+  const std::string digits = hash.hex();
+  std::array<char, 40> checksum{};
+  std::copy(digits.begin(), digits.end(), checksum.begin());
+  return checksum;
+}
+
+std::string to_bytes(const std::string& key, const CachedLayer& layer) {
+  Header header{layer.values.size(), layer.seconds, {}};
+  header.checksum = checksum_of(key, header, layer.values.data());
+  std::string bytes(kMagic);
+  bytes.append(reinterpret_cast<const char*>(&header), sizeof(header));
+  bytes.append(reinterpret_cast<const char*>(layer.values.data()), layer.values.size() * sizeof(Vec4d));
+  return bytes;
+}
+
+// Nothing if the bytes are not what to_bytes wrote.
+std::optional<CachedLayer> from_bytes(const std::string& key, std::size_t points, const std::string& bytes) {
+  if (bytes.size() != kMagic.size() + sizeof(Header) + points * sizeof(Vec4d)) return std::nullopt;
+  if (!bytes.starts_with(kMagic)) return std::nullopt;
+  Header header;
+  std::memcpy(&header, bytes.data() + kMagic.size(), sizeof(header));
+  if (header.points != points) return std::nullopt;
+  CachedLayer layer{std::vector<Vec4d>(points), header.seconds};
+  std::memcpy(static_cast<void*>(layer.values.data()), bytes.data() + kMagic.size() + sizeof(header),
+              points * sizeof(Vec4d));
+  if (header.checksum != checksum_of(key, header, layer.values.data())) return std::nullopt;
+  return layer;
+}
+
+std::string reason_of(int error) { return std::generic_category().message(error); }
+
+// Writes everything and closes; 0, or the errno.
+int write_and_close(int descriptor, const std::string& bytes) {
+  int error = 0;
+  std::size_t done = 0;
+  while (done < bytes.size() && error == 0) {
+    const ssize_t written = ::write(descriptor, bytes.data() + done, bytes.size() - done);
+    if (written > 0) {
+      done += static_cast<std::size_t>(written);
+    } else if (errno != EINTR) {
+      error = errno;
+    }
+  }
+  if (close(descriptor) != 0 && error == 0) error = errno;
+  return error;
+}
+
+// `use(path)` for each entry, whatever others do to the folder meanwhile.
+template <typename Use>
+void for_entries(const fs::path& folder, const Use& use) {
+  std::error_code failure;
+  for (fs::directory_iterator it(folder, failure), end; !failure && it != end; it.increment(failure))
+    use(it->path());
+}
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+}  // namespace
+
+TruthCache::TruthCache(fs::path folder, std::uintmax_t limit_bytes)
+    : folder_(std::move(folder)), limit_bytes_(limit_bytes) {}
+
+fs::path TruthCache::file_of(const std::string& key) const { return folder_ / (key + kExtension); }
+
+std::optional<CachedLayer> TruthCache::find(const std::string& key, std::size_t points) {
+  const fs::path file = file_of(key);
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  if (!stream) return std::nullopt;
+  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(stream.tellg(), 0)), '\0');
+  stream.seekg(0);
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::optional<CachedLayer> layer;
+  if (stream) layer = from_bytes(key, points, bytes);
+  std::error_code failure;
+  if (layer) {
+    fs::last_write_time(file, fs::file_time_type::clock::now(), failure);  // for the least recently used
+    return layer;
+  }
+  forget(key);
+  note(file, "this cached truth is damaged; it is computed again");
+  return std::nullopt;
+}
+
+void TruthCache::forget(const std::string& key) {
+  std::error_code failure;
+  fs::remove(file_of(key), failure);
+}
+
+void TruthCache::store(const std::string& key, const CachedLayer& layer) {
+  if (!writes_) return;
+  const std::string bytes = to_bytes(key, layer);
+  if (bytes.size() > limit_bytes_) return;
+  std::error_code failure;
+  fs::create_directories(folder_, failure);
+  if (failure) return give_up(failure.message());
+  remove_stale_temporaries();
+  if (write(file_of(key), bytes)) keep_to_limit();
+}
+
+bool TruthCache::write(const fs::path& file, const std::string& bytes) {
+  std::string temporary =
+      (folder_ / fmt::format(".{}.XXXXXX{}", file.stem().string(), kTemporaryExtension)).string();
+  const int descriptor =
+      mkostemps(temporary.data(), static_cast<int>(std::strlen(kTemporaryExtension)), O_CLOEXEC);
+  if (descriptor < 0) {
+    give_up(reason_of(errno));
+    return false;
+  }
+  int error = write_and_close(descriptor, bytes);
+  if (error == 0 && std::rename(temporary.c_str(), file.c_str()) != 0) error = errno;
+  if (error == 0) return true;
+  unlink(temporary.c_str());
+  give_up(reason_of(error));
+  return false;
+}
+
+void TruthCache::give_up(const std::string& reason) {
+  writes_ = false;
+  note(folder_, "truths cannot be cached here: " + reason);
+}
+
+void TruthCache::remove_stale_temporaries() const {
+  for_entries(folder_, [&](const fs::path& entry) {
+    const std::string name = entry.filename().string();
+    if (!name.starts_with('.') || !name.ends_with(kTemporaryExtension)) return;
+    std::error_code failure;
+    const auto written = fs::last_write_time(entry, failure);
+    if (!failure && fs::file_time_type::clock::now() - written >= kStaleAge) fs::remove(entry, failure);
+  });
+}
+
+void TruthCache::keep_to_limit() const {
+  struct Entry {
+    fs::file_time_type used;
+    std::uintmax_t bytes;
+    fs::path path;
+  };
+  std::vector<Entry> entries;
+  std::uintmax_t total = 0;
+  for_entries(folder_, [&](const fs::path& path) {
+    if (path.extension() != kExtension) return;
+    std::error_code gone;
+    const std::uintmax_t bytes = fs::file_size(path, gone);
+    if (gone) return;
+    const fs::file_time_type used = fs::last_write_time(path, gone);
+    if (gone) return;
+    entries.push_back({used, bytes, path});
+    total += bytes;
+  });
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return a.used != b.used ? a.used < b.used : a.path < b.path;
+  });
+  for (const Entry& entry : entries) {
+    if (total <= limit_bytes_) break;
+    std::error_code failure;
+    fs::remove(entry.path, failure);
+    total -= entry.bytes;
+  }
+}
+
+std::unique_ptr<TruthCache> open_user_cache() {
+  const std::string limit = variable("TRUESCATTER_CACHE_LIMIT_MIB");
+  const SourceLocation where{"TRUESCATTER_CACHE_LIMIT_MIB"};
+  const int limit_mib = limit.empty() ? kDefaultLimitMiB : parse_integer(limit, where, "a limit in MiB");
+  if (limit_mib < 0) throw_input_error(where, "\"{}\": a limit in MiB must be 0 or more", limit);
+  fs::path folder = variable("TRUESCATTER_CACHE");
+  if (folder.empty() && !variable("XDG_CACHE_HOME").empty())
+    folder = fs::path(variable("XDG_CACHE_HOME")) / "truescatter";
+  if (folder.empty() && !variable("HOME").empty())
+    folder = fs::path(variable("HOME")) / ".cache" / "truescatter";
+  if (folder.empty()) {
+    fmt::print(stderr, "note: truths are not cached: no TRUESCATTER_CACHE, XDG_CACHE_HOME or HOME is set\n");
+    return nullptr;
+  }
+  return std::make_unique<TruthCache>(std::move(folder), static_cast<std::uintmax_t>(limit_mib) * kMiB);
+}
+
+}  // namespace truescatter
