@@ -92,6 +92,8 @@ struct TruthSpec {
   // Geodesic truths: own (where a method aims at one) | extra (every method is measured against one too) |
   // off.
   std::string geodesic = "own";
+  // Every method is measured against the Euclidean truth of the visible surface too.
+  bool visible_only = false;
   bool cache = true;  // truths are looked for in the user's cache, and kept there
 };
 

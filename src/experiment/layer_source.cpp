@@ -1,11 +1,13 @@
 #include "experiment/layer_source.h"
 
+#include <cassert>
 #include <chrono>
 #include <utility>
 
 #include "core/content_hash.h"
 #include "truth/audit.h"
 #include "truth/exact.h"
+#include "truth/fast.h"
 #include "truth/geodesic_exact.h"
 #include "truth/geodesic_fast.h"
 
@@ -42,13 +44,22 @@ std::vector<Point> chosen_of(const std::vector<Point>& points, std::span<const s
 
 class EuclideanSource : public LayerSource {
  public:
-  EuclideanSource(const Surface& surface, const FastEngine& engine, const ViewPoints& points)
-      : surface_(surface), engine_(engine), points_(points) {}
+  EuclideanSource(const Surface& surface, double tolerance, double largest_irradiance,
+                  const ViewPoints& points)
+      : surface_(surface),
+        engine_(surface, tolerance),
+        largest_irradiance_(largest_irradiance),
+        points_(points) {}
 
   std::vector<ComputedLayer> compute(std::span<const TruthLayer> layers,
                                      const std::function<void(std::size_t)>& advance) const override {
     std::vector<ComputedLayer> computed;
     for (const TruthLayer& layer : layers) {
+      if (surface_.triangles.empty()) {
+        computed.push_back({std::vector<Vec4d>(points_.size(), Vec4d::Zero())});
+        advance(points_.size());
+        continue;
+      }
       const Stopwatch watch;
       TruthValues values = engine_.convolve(points_.on_surface, std::span(&layer, 1), advance);
       computed.push_back({std::move(values.front()), watch.seconds()});
@@ -57,11 +68,13 @@ class EuclideanSource : public LayerSource {
   }
   TruthValues audit_values(std::span<const std::uint32_t> chosen,
                            std::span<const TruthLayer> layers) const override {
+    if (surface_.triangles.empty())
+      return TruthValues(layers.size(), std::vector<Vec4d>(chosen.size(), Vec4d::Zero()));
     return ExactEngine(surface_, audit_reach_std_devs(engine_.tolerance()))
         .convolve(chosen_of(points_.on_surface, chosen), layers);
   }
   double tail_bound() const override { return engine_.tail_bound(); }
-  double largest_irradiance() const override { return surface_.largest_irradiance(); }
+  double largest_irradiance() const override { return largest_irradiance_; }
   std::size_t point_count() const override { return points_.size(); }
   bool computes_together() const override { return false; }
   std::string content_key() const override {
@@ -83,7 +96,8 @@ class EuclideanSource : public LayerSource {
 
  private:
   const Surface& surface_;
-  const FastEngine& engine_;
+  FastEngine engine_;
+  double largest_irradiance_;
   const ViewPoints& points_;
 };
 
@@ -150,12 +164,14 @@ class GeodesicSource : public LayerSource {
 }  // namespace
 
 LayerKind kind_of(const OwnTarget& target) {
-  return target.geodesic ? LayerKind::geodesic : LayerKind::euclidean;
+  assert(!(target.geodesic && target.visible_only));
+  if (target.geodesic) return LayerKind::geodesic;
+  return target.visible_only ? LayerKind::visible : LayerKind::euclidean;
 }
 
-std::unique_ptr<LayerSource> euclidean_source(const Surface& surface, const FastEngine& engine,
-                                              const ViewPoints& points) {
-  return std::make_unique<EuclideanSource>(surface, engine, points);
+std::unique_ptr<LayerSource> euclidean_source(const Surface& surface, double tolerance,
+                                              double largest_irradiance, const ViewPoints& points) {
+  return std::make_unique<EuclideanSource>(surface, tolerance, largest_irradiance, points);
 }
 
 std::unique_ptr<LayerSource> geodesic_source(const GeodesicSurface& surface, double tolerance,

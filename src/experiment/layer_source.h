@@ -9,14 +9,18 @@
 
 #include "experiment/view_points.h"
 #include "methods/method.h"
-#include "truth/fast.h"
 #include "truth/geodesic_surface.h"
 #include "truth/surface.h"
 
 namespace truescatter {
 
-// What a layer's distances are measured along.
-enum class LayerKind { euclidean, geodesic };
+// What a layer is a convolution over, and along what its distances are measured.
+enum class LayerKind {
+  euclidean,  // the skin, through the air
+  geodesic,   // the skin, along the surface
+  visible,    // what the view sees of the skin, through the air
+  unsure,     // VisibleSurface::unsure: its masses bound what is doubtful about `visible`
+};
 
 LayerKind kind_of(const OwnTarget& target);
 
@@ -60,9 +64,10 @@ class LayerSource {
   virtual void forget(std::span<const TruthLayer> /*layers*/) const {}
 };
 
-// Each layer by itself: the engine shares nothing between layers.
-std::unique_ptr<LayerSource> euclidean_source(const Surface& surface, const FastEngine& engine,
-                                              const ViewPoints& points);
+// Each layer by itself: the engine shares nothing between layers. `largest_irradiance`: of the scene. A
+// surface without triangles has values of 0.
+std::unique_ptr<LayerSource> euclidean_source(const Surface& surface, double tolerance,
+                                              double largest_irradiance, const ViewPoints& points);
 
 // All layers at once, for they share the propagation; each reports an equal part of the seconds.
 std::unique_ptr<LayerSource> geodesic_source(const GeodesicSurface& surface, double tolerance,

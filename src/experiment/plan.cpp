@@ -58,11 +58,12 @@ std::string describe_truth(const std::string& view, const PlannedTruth& truth) {
     roles.push_back(fmt::format("own target of {}", fmt::join(truth.own_target_of, ", ")));
   if (truth.extra) roles.emplace_back("extra");
   if (!truth.not_computed.empty()) roles.push_back("not computed: " + truth.not_computed);
-  return fmt::format("truth {}: {}, {}, {}, {} Gaussians; {}\n", truth_id(view, *truth.profile, truth.target),
-                     truth.target.geodesic ? "geodesic" : "Euclidean",
-                     truth.target.normalised ? "normalised" : "raw",
-                     truth.target.r_max_mm ? fmt::format("cut at {} mm", *truth.target.r_max_mm) : "not cut",
-                     gaussian_levels(*truth.profile).size(), fmt::join(roles, "; "));
+  return fmt::format(
+      "truth {}: {}, {}, {}{}, {} Gaussians; {}\n", truth_id(view, *truth.profile, truth.target),
+      truth.target.geodesic ? "geodesic" : "Euclidean", truth.target.normalised ? "normalised" : "raw",
+      truth.target.r_max_mm ? fmt::format("cut at {} mm", *truth.target.r_max_mm) : "not cut",
+      truth.target.visible_only ? ", visible surface only" : "", gaussian_levels(*truth.profile).size(),
+      fmt::join(roles, "; "));
 }
 
 }  // namespace
@@ -76,6 +77,7 @@ Plan make_plan(const ExperimentSpec& spec) {
         {&method, m.label, Settings(method.name, method.settings, m.settings, m.settings_where)});
   }
   plan.no_geodesics = reason_without_geodesics(spec.truth);
+  if (spec.truth.visible_only) plan.extra_targets.push_back({false, true, std::nullopt, true});
   if (spec.truth.geodesic == "extra") plan.extra_targets.push_back({true, true, std::nullopt});
   return plan;
 }
@@ -106,8 +108,9 @@ std::vector<PlannedTruth> planned_truths(const Plan& plan, bool has_uvs) {
 }
 
 std::string truth_id(const std::string& view, const Profile& profile, const OwnTarget& target) {
-  std::string id = fmt::format("{}/{}/{}-{}", view, profile.name, target.geodesic ? "geodesic" : "euclidean",
-                               target.normalised ? "normalised" : "raw");
+  std::string id =
+      fmt::format("{}/{}/{}{}-{}", view, profile.name, target.geodesic ? "geodesic" : "euclidean",
+                  target.visible_only ? "-visible" : "", target.normalised ? "normalised" : "raw");
   if (target.r_max_mm) id += fmt::format("-r{:.4g}", *target.r_max_mm);
   return id;
 }

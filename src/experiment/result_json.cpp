@@ -18,7 +18,9 @@ json rgb_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 }  // namespace
 
 json target_json(const OwnTarget& target) {
-  json object = {{"metric", target.geodesic ? "geodesic" : "euclidean"}, {"normalised", target.normalised}};
+  json object = {{"metric", target.geodesic ? "geodesic" : "euclidean"},
+                 {"normalised", target.normalised},
+                 {"visible_only", target.visible_only}};
   object["r_max_mm"] = target.r_max_mm ? json(*target.r_max_mm) : json();
   return object;
 }

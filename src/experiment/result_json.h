@@ -15,7 +15,7 @@ namespace truescatter {
 nlohmann::json scene_json(const ExperimentSpec& spec, const PreparedScene& scene);
 nlohmann::json profile_json(const Profile& profile);
 nlohmann::json settings_json(const Settings& settings);
-// metric, normalised, r_max_mm.
+// metric, normalised, visible_only, r_max_mm.
 nlohmann::json target_json(const OwnTarget& target);
 // An entry of truths[]: the target with its id, roles, cost and certificate.
 nlohmann::json truth_json(const std::string& view, const PlannedTruth& planned, const TruthImage& truth,

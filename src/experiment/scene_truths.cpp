@@ -1,6 +1,7 @@
 #include "experiment/scene_truths.h"
 
 #include <cassert>
+#include <cstdlib>
 #include <utility>
 
 #include "experiment/cached_source.h"
@@ -11,7 +12,7 @@ SceneTruths::SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool
                          SourceWrapper wrap)
     : tolerance_(spec.tolerance),
       skin_(skin_surface(scene.shading)),
-      engine_(skin_, spec.tolerance),
+      largest_irradiance_(skin_.largest_irradiance()),
       cache_(cache),
       wrap_(std::move(wrap)) {
   if (!geodesic) return;
@@ -28,11 +29,30 @@ std::string SceneTruths::obstacle(const OwnTarget& target) const {
   return target.geodesic ? no_geodesics_ : "";
 }
 
-std::unique_ptr<LayerSource> SceneTruths::source(LayerKind kind, const ViewPoints& points) const {
-  assert(kind != LayerKind::geodesic || geodesic_);
-  std::unique_ptr<LayerSource> source = kind == LayerKind::geodesic
-                                            ? geodesic_source(*geodesic_, tolerance_, points)
-                                            : euclidean_source(skin_, engine_, points);
+std::unique_ptr<LayerSource> SceneTruths::plain_source(LayerKind kind, const ViewPoints& points,
+                                                       const VisibleSurface* visible) const {
+  const auto over = [&](const Surface& surface) {
+    return euclidean_source(surface, tolerance_, largest_irradiance_, points);
+  };
+  switch (kind) {
+    case LayerKind::euclidean:
+      return over(skin_);
+    case LayerKind::geodesic:
+      assert(geodesic_);
+      return geodesic_source(*geodesic_, tolerance_, points);
+    case LayerKind::visible:
+      assert(visible != nullptr);
+      return over(visible->seen);
+    case LayerKind::unsure:
+      assert(visible != nullptr);
+      return over(visible->unsure);
+  }
+  std::abort();
+}
+
+std::unique_ptr<LayerSource> SceneTruths::source(LayerKind kind, const ViewPoints& points,
+                                                 const VisibleSurface* visible) const {
+  std::unique_ptr<LayerSource> source = plain_source(kind, points, visible);
   if (wrap_) source = wrap_(kind, std::move(source));
   return cache_ != nullptr ? cached_source(std::move(source), *cache_) : std::move(source);
 }

@@ -8,15 +8,15 @@
 #include "config/experiment_spec.h"
 #include "experiment/layer_source.h"
 #include "experiment/scene_setup.h"
+#include "experiment/visible_surface.h"
 #include "truth/cache.h"
-#include "truth/fast.h"
 
 namespace truescatter {
 
 // Puts something in the place of a source: a test's doubtful engine.
 using SourceWrapper = std::function<std::unique_ptr<LayerSource>(LayerKind, std::unique_ptr<LayerSource>)>;
 
-// The surfaces and engines of a scene, which all its views share.
+// The surfaces of a scene that truths are computed over, which all its views share.
 class SceneTruths {
  public:
   // `geodesic`: whether any truth is. `cache`: null for none. Scene and cache outlive it.
@@ -29,13 +29,18 @@ class SceneTruths {
   std::string obstacle(const OwnTarget& target) const;
   // Null where the mesh carries no geodesics, or nobody asked for them.
   const GeodesicSurface* geodesic() const { return geodesic_ ? &*geodesic_ : nullptr; }
-  // The points outlive the source; the kind has no obstacle.
-  std::unique_ptr<LayerSource> source(LayerKind kind, const ViewPoints& points) const;
+  // Points and `visible` outlive the source; the kind has no obstacle. `visible`: of the points' view, where
+  // the kind asks for it.
+  std::unique_ptr<LayerSource> source(LayerKind kind, const ViewPoints& points,
+                                      const VisibleSurface* visible = nullptr) const;
 
  private:
+  std::unique_ptr<LayerSource> plain_source(LayerKind kind, const ViewPoints& points,
+                                            const VisibleSurface* visible) const;
+
   double tolerance_;
   Surface skin_;
-  FastEngine engine_;
+  double largest_irradiance_;  // of the skin
   std::optional<GeodesicSurface> geodesic_;
   std::string no_geodesics_;  // why
   TruthCache* cache_;

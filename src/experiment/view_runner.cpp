@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "core/progress.h"
@@ -83,6 +84,28 @@ struct ViewedTruth {
   TruthImage image;
   Image mask;  // the pixels that are measured against it
 };
+
+// How far a truth of the visible surface may be from that of exactly what is seen, over the pixels that are
+// measured, in units of the largest irradiance; 0 for others.
+struct VisibilityBound {
+  double rms = 0.0;
+  double max = 0.0;
+};
+
+VisibilityBound visibility_bound(const ViewedTruth& truth) {
+  VisibilityBound bound;
+  if (truth.image.visibility_bound.empty()) return bound;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < truth.mask.data().size(); ++i) {
+    if (truth.mask.data()[i] == 0.0F) continue;
+    const double b = truth.image.visibility_bound.data()[i];
+    squares += b * b;
+    bound.max = std::max(bound.max, b);
+  }
+  const std::size_t pixels = skin_pixels(truth.mask);
+  if (pixels > 0) bound.rms = std::sqrt(squares / static_cast<double>(pixels));
+  return bound;
+}
 
 // All of them, each assembled once; the headline first.
 struct ProfileTruths {
@@ -170,9 +193,15 @@ class ViewRunner {
     for (const PlannedTruth& truth : planned_) {
       if (missing(truth).empty()) requests.push_back({truth.profile, truth.target});
     }
+    const bool visible_only = std::any_of(requests.begin(), requests.end(),
+                                          [](const auto& request) { return request.target.visible_only; });
+    const VisibleSurface visible =
+        visible_only ? visible_surface(setup_.scene, frame_.camera) : VisibleSurface{};
     truth_.compute(
         requests, setup_.spec.truth,
-        [&](LayerKind kind, const ViewPoints& points) { return setup_.truths.source(kind, points); },
+        [&](LayerKind kind, const ViewPoints& points) {
+          return setup_.truths.source(kind, points, &visible);
+        },
         setup_.truths.geodesic());
   }
 
@@ -217,6 +246,10 @@ class ViewRunner {
       if (!viewed.missing.empty()) continue;
       json truth = truth_json(name_, viewed.planned, viewed.image, truth_.audited());
       truth["points"] = truth_.points().size();
+      if (viewed.planned.target.visible_only) {
+        const VisibilityBound bound = visibility_bound(viewed);
+        truth["visibility_bound"] = {{"rms", bound.rms}, {"max", bound.max}};
+      }
       truth["low_mass_pixels"] = skin_pixels(images_.mask) - skin_pixels(viewed.mask);
       if (viewed.planned.is_headline())
         truth["files"] = {{"picture", "maps/" + stem + ".png"}, {"exr", "maps/" + stem + ".exr"}};
@@ -262,12 +295,14 @@ class ViewRunner {
     run["metrics"] =
         metrics_json(exitance, {truth.image.rgb, truth.mask, contours_, against.profile.widest_std_dev_mm(),
                                 mm_per_px(), against.flip, setup_.exposure()});
-    put_distinguishable(run, truth.image.certificate);
+    put_distinguishable(run, truth);
   }
 
-  // Below the truth's uncertainty nothing can be told from the truth.
-  void put_distinguishable(json& measured, const Certificate& certificate) const {
-    const double uncertainty = certificate.uncertainty() * setup_.scene.largest_irradiance;
+  // Below the truth's uncertainty nothing can be told from the truth; nor below the doubt about what is
+  // visible, taken as the RMSE is, over the same pixels.
+  void put_distinguishable(json& measured, const ViewedTruth& truth) const {
+    const double uncertainty = (truth.image.certificate.uncertainty() + visibility_bound(truth).rms) *
+                               setup_.scene.largest_irradiance;
     const json rmse = measured["metrics"]["rmse"];
     measured["distinguishable"] = rmse.is_number() ? json(rmse.get<double>() > uncertainty) : json();
     if (!rmse.is_number()) measured["distinguishable_reason"] = "no pixel to measure";
@@ -284,7 +319,7 @@ class ViewRunner {
     }
     error["truth"] = truth_id(name_, *truth.planned.profile, truth.planned.target);
     error["metrics"] = error_stats_json(exitance, truth.image.rgb, truth.mask);
-    put_distinguishable(error, truth.image.certificate);
+    put_distinguishable(error, truth);
     return error;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "core/progress.h"
@@ -10,7 +11,19 @@
 namespace truescatter {
 namespace {
 
-std::string_view name_of(LayerKind kind) { return kind == LayerKind::geodesic ? "geodesic truth" : "truth"; }
+std::string_view name_of(LayerKind kind) {
+  switch (kind) {
+    case LayerKind::euclidean:
+      return "truth";
+    case LayerKind::geodesic:
+      return "geodesic truth";
+    case LayerKind::visible:
+      return "truth of the visible surface";
+    case LayerKind::unsure:
+      return "bound of the visible surface";
+  }
+  std::abort();
+}
 
 // The Gaussian's mass on a plane.
 double plane_mass(const TruthLayer& layer) {
@@ -94,21 +107,29 @@ void ViewTruth::certify_kind(LayerKind kind, const std::vector<TruthLayer>& laye
   }
 }
 
+ViewTruth::Wanted ViewTruth::wanted_layers(const std::vector<Request>& requests) const {
+  Wanted wanted;
+  const auto want = [&](LayerKind kind, const TruthLayer& layer) {
+    auto of_kind = std::find_if(wanted.begin(), wanted.end(), [&](const auto& w) { return w.first == kind; });
+    if (of_kind == wanted.end()) of_kind = wanted.insert(wanted.end(), {kind, {}});
+    std::vector<TruthLayer>& layers = of_kind->second;
+    if (std::find(layers.begin(), layers.end(), layer) == layers.end()) layers.push_back(layer);
+  };
+  for (const Request& request : requests) {
+    for (const GaussianLevel& level : gaussian_levels(*request.profile)) {
+      const TruthLayer layer = layer_of(level.variance_mm2, request.target);
+      want(kind_of(request.target), layer);
+      if (request.target.visible_only) want(LayerKind::unsure, layer);
+    }
+  }
+  return wanted;
+}
+
 void ViewTruth::compute(const std::vector<Request>& requests, const TruthSpec& spec,
                         const SourceOf& source_of, const GeodesicSurface* geodesic) {
   assert(points_.size() > 0);
   tolerance_ = spec.tolerance;
-  std::vector<std::pair<LayerKind, std::vector<TruthLayer>>> wanted;
-  for (const Request& request : requests) {
-    const LayerKind kind = kind_of(request.target);
-    auto of_kind = std::find_if(wanted.begin(), wanted.end(), [&](const auto& w) { return w.first == kind; });
-    if (of_kind == wanted.end()) of_kind = wanted.insert(wanted.end(), {kind, {}});
-    std::vector<TruthLayer>& layers = of_kind->second;
-    for (const GaussianLevel& level : gaussian_levels(*request.profile)) {
-      const TruthLayer layer = layer_of(level.variance_mm2, request.target);
-      if (std::find(layers.begin(), layers.end(), layer) == layers.end()) layers.push_back(layer);
-    }
-  }
+  const Wanted wanted = wanted_layers(requests);
   std::vector<std::unique_ptr<LayerSource>> sources;
   for (const auto& [kind, layers] : wanted) {
     sources.push_back(source_of(kind, points_));
@@ -123,11 +144,37 @@ void ViewTruth::compute(const std::vector<Request>& requests, const TruthSpec& s
     certify_kind(wanted[k].first, wanted[k].second, *sources[k]);
 }
 
+Image ViewTruth::picture_of(const std::vector<double>& values) const {
+  Image picture(images_.mask.width(), images_.mask.height(), 1);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    picture.at(points_.pixels[i].x, points_.pixels[i].y, 0) = static_cast<float>(values[i]);
+  return picture;
+}
+
+// With u the mass of what is unsure and m that of what was taken for seen, light of at most 1 more or less
+// from what is unsure changes M by at most u, and M/m by at most u / (m - u), and never by more than 1.
+std::vector<double> ViewTruth::visibility_bounds(const Request& request) const {
+  std::vector<Vec3d> bound(points_.size(), Vec3d::Zero());
+  for (const GaussianLevel& level : gaussian_levels(*request.profile)) {
+    const TruthLayer layer = layer_of(level.variance_mm2, request.target);
+    const std::vector<Vec4d>& unsure = layers_[index_of(LayerKind::unsure, layer)].computed.values;
+    const std::vector<Vec4d>& seen = layers_[index_of(LayerKind::visible, layer)].computed.values;
+    for (std::size_t i = 0; i < bound.size(); ++i) {
+      const double u = unsure[i][3];
+      const double rest = seen[i][3] - u;
+      const double normalised = rest > u ? u / rest : 1.0;
+      bound[i] += (request.target.normalised ? normalised : u) * level.weight.cwiseAbs();
+    }
+  }
+  std::vector<double> largest;
+  for (const Vec3d& channels : bound) largest.push_back(channels.maxCoeff());
+  return largest;
+}
+
 TruthImage ViewTruth::image(const Request& request) const {
   const LayerKind kind = kind_of(request.target);
   TruthImage truth;
   truth.rgb = Image(images_.mask.width(), images_.mask.height(), 3);
-  truth.smallest_mass = Image(images_.mask.width(), images_.mask.height(), 1);
   std::vector<Vec3d> sum(points_.size());
   std::vector<double> mass(points_.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < points_.size(); ++i)
@@ -153,10 +200,10 @@ TruthImage ViewTruth::image(const Request& request) const {
   }
   // The largest error of a layer, times this, bounds the sum's.
   truth.certificate.weight = std::max(1.0, weights.maxCoeff());
-  for (std::size_t i = 0; i < points_.size(); ++i) {
+  for (std::size_t i = 0; i < points_.size(); ++i)
     truth.rgb.set_rgb(points_.pixels[i].x, points_.pixels[i].y, sum[i]);
-    truth.smallest_mass.at(points_.pixels[i].x, points_.pixels[i].y, 0) = static_cast<float>(mass[i]);
-  }
+  truth.smallest_mass = picture_of(mass);
+  if (request.target.visible_only) truth.visibility_bound = picture_of(visibility_bounds(request));
   return truth;
 }
 

@@ -23,6 +23,9 @@ struct TruthImage {
   // One channel: the smallest mass of a Gaussian with weight, as a share of what a plane would have (1, or
   // less where the Gaussian is cut off); 0 off the skin.
   Image smallest_mass;
+  // One channel, for a truth of the visible surface only, else empty: in units of the largest irradiance, how
+  // far the value may be from that of exactly what is seen (VisibleSurface::unsure).
+  Image visibility_bound;
   Certificate certificate;  // over the layers that it is made of
   double seconds = 0.0;     // that computing them took, whenever that was
   bool cached = false;      // all of them were there from an earlier run
@@ -60,6 +63,11 @@ class ViewTruth {
     Certificate certificate;
   };
 
+  using Wanted = std::vector<std::pair<LayerKind, std::vector<TruthLayer>>>;
+
+  Wanted wanted_layers(const std::vector<Request>& requests) const;
+  Image picture_of(const std::vector<double>& values) const;
+  std::vector<double> visibility_bounds(const Request& request) const;
   TruthLayer layer_of(double variance_mm2, const OwnTarget& target) const;
   std::size_t index_of(LayerKind kind, const TruthLayer& layer) const;  // in layers_
   void compute_kind(LayerKind kind, const std::vector<TruthLayer>& layers, const LayerSource& source);

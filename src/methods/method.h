@@ -18,6 +18,7 @@ struct OwnTarget {
   bool geodesic = false;
   bool normalised = true;
   std::optional<double> r_max_mm;  // none: not cut off
+  bool visible_only = false;       // what the view does not see gives no light; not with geodesics
 
   bool operator==(const OwnTarget&) const = default;
 };

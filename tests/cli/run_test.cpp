@@ -421,6 +421,35 @@ TEST_F(CliRun, TextureSpaceIsMeasuredAgainstItsGeodesicTruth) {
   EXPECT_EQ(texture_space.at("own_target"), texture_space.at("extra_targets").at(0));
 }
 
+// The plane goes on beyond the picture, where the visible surface ends.
+TEST_F(CliRun, MeasuresAgainstTheVisibleSurfaceWhereAskedTo) {
+  const std::string experiment = with(kTiny, "[timing]", "[truth]\nvisible_only = true\n[timing]");
+  EXPECT_TRUE(
+      contains(run(experiment, {"--dry-run"}).out,
+               "  truth front/spike-and-base/euclidean-visible-normalised: Euclidean, normalised, not "
+               "cut, visible surface only, 3 Gaussians; extra\n"));
+  const ProgramResult result = run(experiment);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  const Json& truth = results.at("truths").at(2);
+  EXPECT_EQ(truth.at("id"), "front/spike-and-base/euclidean-visible-normalised");
+  EXPECT_EQ(truth.at("visible_only"), true);
+  const double rms = truth.at("visibility_bound").at("rms");
+  EXPECT_GT(rms, 0.0);
+  EXPECT_LT(rms, truth.at("visibility_bound").at("max").get<double>());
+  EXPECT_FALSE(results.at("truths").at(0).contains("visibility_bound"));
+  for (const Json& run : results.at("runs")) {
+    ASSERT_EQ(run.at("extra_targets").size(), 1U);
+    const Json& extra = run.at("extra_targets").at(0);
+    EXPECT_EQ(extra.at("truth"), truth.at("id"));
+    // Even light stays even, whatever part of the surface gives it.
+    if (run.at("method") == "none") {
+      EXPECT_LT(extra.at("metrics").at("max").get<double>(), 1e-4);
+      EXPECT_EQ(extra.at("distinguishable"), false);
+    }
+  }
+}
+
 TEST_F(CliRun, SwitchedOffGeodesicTruthsLeaveAReason) {
   const std::string experiment = with(with(kTiny, "\"pscbf\"", "\"texture-space\""), "[timing]",
                                       "[truth]\ngeodesic = \"off\"\n[timing]");

@@ -109,6 +109,7 @@ audit_points = 300
 seed = 42
 geodesic = "extra"
 cache = false
+visible_only = true
 
 [timing]
 warm_up = 4
@@ -205,6 +206,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.truth.seed, 42U);
   EXPECT_EQ(spec.truth.geodesic, "extra");
   EXPECT_FALSE(spec.truth.cache);
+  EXPECT_TRUE(spec.truth.visible_only);
   EXPECT_EQ(spec.timing.warm_up, 4);
   EXPECT_EQ(spec.timing.repeats, 9);
 
@@ -244,6 +246,7 @@ TEST_F(ExperimentSpecTest, HasTheDocumentedDefaults) {
   EXPECT_EQ(spec.truth.seed, 1U);
   EXPECT_EQ(spec.truth.geodesic, "own");
   EXPECT_TRUE(spec.truth.cache);
+  EXPECT_FALSE(spec.truth.visible_only);
   EXPECT_EQ(spec.timing.warm_up, 1);
   EXPECT_EQ(spec.timing.repeats, 3);
   EXPECT_TRUE(spec.thresholds.empty());
@@ -318,6 +321,7 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
   EXPECT_EQ(a.truth.seed, b.truth.seed);
   EXPECT_EQ(a.truth.geodesic, b.truth.geodesic);
   EXPECT_EQ(a.truth.cache, b.truth.cache);
+  EXPECT_EQ(a.truth.visible_only, b.truth.visible_only);
   EXPECT_EQ(a.timing.warm_up, b.timing.warm_up);
   EXPECT_EQ(a.timing.repeats, b.timing.repeats);
   ASSERT_EQ(a.thresholds.size(), b.thresholds.size());

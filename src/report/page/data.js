@@ -134,7 +134,8 @@ const linkTo = (path) => path.split("/").map(encodeURIComponent).join("/");
 function targetName(target) {
   const metric = (target.metric || "unknown").replace(/^./, (c) => c.toUpperCase());
   const cut = isNumber(target.r_max_mm) ? `r_max ${number(target.r_max_mm)} mm` : "no r_max";
-  return `${metric}, ${target.normalised === false ? "raw" : "normalised"}, ${cut}`;
+  return `${metric}, ${target.normalised === false ? "raw" : "normalised"}, ${cut}` +
+      (target.visible_only ? ", visible surface only" : "");
 }
 const headlineTarget =
     truths.length ? targetName(truths.find((t) => runs.some((r) => r.truth === t.id)) || truths[0]) : EN_DASH;

@@ -163,7 +163,11 @@ function truthsCard() {
           truths.map((t) => {
             const c = t.certificate || {};
             return [
-              t.view, profileTitle(t.profile), targetName(t), roleOf(t), count(t.points),
+              t.view, profileTitle(t.profile), targetName(t) +
+                  (t.visibility_bound ? `; what is visible is known to ${scientific(t.visibility_bound.rms)} (RMS), ${
+                                            scientific(t.visibility_bound.max)} (largest)` :
+                                        ""),
+              roleOf(t), count(t.points),
               h("span", {title: auditedWhere([t])}, count(c.audited)),
               scientific(c.max_error), scientific(c.tolerance), scientific(c.tail_bound),
               scientific(t.uncertainty), percent(c.open_share_95),
