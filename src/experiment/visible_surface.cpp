@@ -11,6 +11,8 @@ namespace truescatter {
 namespace {
 
 constexpr double kLargestEdgePx = 0.5;
+// Where corners and centroid disagree. Such pieces lie along contours only, so that they are few.
+constexpr double kLargestUnsureEdgePx = 0.125;
 // For pieces at the eye itself, which are never small.
 constexpr int kDeepest = 24;
 constexpr std::size_t kChunk = 256;
@@ -51,15 +53,15 @@ class Eye {
     return behind || std::any_of(beyond.begin(), beyond.end(), [](bool b) { return b; });
   }
 
-  bool is_small(const SurfaceTriangle& triangle) const {
+  bool is_smaller(const SurfaceTriangle& triangle, double largest_edge_px) const {
     std::array<Vec2d, 3> at;
     for (std::size_t c = 0; c < 3; ++c) {
       const Vec3d x = in_view(triangle.corners_mm[c]);
       if (x.z() >= 0.0) return false;
       at[c] = pixel(x);
     }
-    return (at[1] - at[0]).norm() < kLargestEdgePx && (at[2] - at[1]).norm() < kLargestEdgePx &&
-           (at[0] - at[2]).norm() < kLargestEdgePx;
+    return (at[1] - at[0]).norm() < largest_edge_px && (at[2] - at[1]).norm() < largest_edge_px &&
+           (at[0] - at[2]).norm() < largest_edge_px;
   }
 
  private:
@@ -102,7 +104,19 @@ class Splitter {
   // Adds the parts that are seen; whether that is all of it. `corners`: which are seen.
   bool visit(const SurfaceTriangle& triangle, const Corners& corners, int depth) {
     if (eye_.misses(triangle)) return false;
-    if (depth == kDeepest || eye_.is_small(triangle)) return judge(triangle, corners);
+    if (depth == kDeepest || eye_.is_smaller(triangle, kLargestEdgePx)) {
+      const bool seen = eye_.sees(triangle.centroid_mm());
+      const bool agreed = std::all_of(corners.begin(), corners.end(), [&](bool c) { return c == seen; });
+      if (agreed || depth == kDeepest || eye_.is_smaller(triangle, kLargestUnsureEdgePx)) {
+        if (!agreed) result_.unsure.triangles.push_back(triangle);
+        if (seen) result_.seen.triangles.push_back(triangle);
+        return seen;
+      }
+    }
+    return split(triangle, corners, depth);
+  }
+
+  bool split(const SurfaceTriangle& triangle, const Corners& corners, int depth) {
     static const std::array<Vec3d, 6> kPoints = {Vec3d(1.0, 0.0, 0.0), Vec3d(0.0, 1.0, 0.0),
                                                  Vec3d(0.0, 0.0, 1.0), Vec3d(0.5, 0.5, 0.0),
                                                  Vec3d(0.0, 0.5, 0.5), Vec3d(0.5, 0.0, 0.5)};
@@ -122,14 +136,6 @@ class Splitter {
     result_.seen.triangles.resize(before);
     result_.seen.triangles.push_back(triangle);
     return true;
-  }
-
-  bool judge(const SurfaceTriangle& triangle, const Corners& corners) {
-    const bool seen = eye_.sees(triangle.centroid_mm());
-    const bool agreed = std::all_of(corners.begin(), corners.end(), [&](bool c) { return c == seen; });
-    if (!agreed) result_.unsure.triangles.push_back(triangle);
-    if (seen) result_.seen.triangles.push_back(triangle);
-    return seen;
   }
 
   const Eye& eye_;

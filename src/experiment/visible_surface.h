@@ -14,8 +14,9 @@ struct VisibleSurface {
 };
 
 // Shading triangles of skin are split in four until no edge is half a pixel long in the picture; such a piece
-// is seen if its centroid lies inside the picture and nothing of the scene lies between it and the eye. It is
-// unsure if that does not hold alike for its corners and its centroid. Four pieces that are seen become one
+// is seen if its centroid lies inside the picture and nothing of the scene lies between it and the eye. Where
+// that does not hold alike for its corners and its centroid it is split on, until no edge is an eighth of a
+// pixel long; then it is unsure. Four pieces that are seen become one
 // again. Irradiance is that of the shading triangle, linear still.
 VisibleSurface visible_surface(const PreparedScene& scene, const Camera& camera);
 
