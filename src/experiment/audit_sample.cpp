@@ -171,6 +171,7 @@ AuditSample draw_audit_sample(const AuditInputs& inputs, std::size_t wanted, std
   wanted = std::min(wanted, inputs.points.size());
   const std::vector<double> border_mm = border_distances_mm(inputs);
   std::vector<double> mask_edge;
+  mask_edge.reserve(border_mm.size());
   for (const double d : border_mm) mask_edge.push_back(-d);
   std::vector<std::pair<std::string, std::vector<double>>> risks = {
       {"mask_edge", std::move(mask_edge)},  // first, for it may be empty

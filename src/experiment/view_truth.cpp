@@ -167,6 +167,7 @@ std::vector<double> ViewTruth::visibility_bounds(const Request& request) const {
     }
   }
   std::vector<double> largest;
+  largest.reserve(bound.size());
   for (const Vec3d& channels : bound) largest.push_back(channels.maxCoeff());
   return largest;
 }

@@ -27,7 +27,7 @@ constexpr std::string_view kMagic = "truescatter truth 1\n";
 constexpr const char* kExtension = ".truth";
 constexpr const char* kTemporaryExtension = ".part";
 constexpr auto kStaleAge = std::chrono::hours(1);
-constexpr std::uintmax_t kMiB = 1024 * 1024;
+constexpr std::uintmax_t kMiB = 1U << 20U;
 constexpr int kDefaultLimitMiB = 4096;
 
 void note(const fs::path& path, const std::string& text) {
