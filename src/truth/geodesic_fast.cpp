@@ -130,6 +130,14 @@ class TargetConvolution {
     std::size_t window_count;
   };
 
+  // A window's path to the centroid of the current piece.
+  struct Arrival {
+    const GeodesicWindow* window;
+    double length_mm;
+    double rho_mm;  // of this, beyond the source
+    Vec2d direction;
+  };
+
   // Adds a piece to the total, and to kink_variance_ what its kinks may have.
   void add_piece(std::size_t index) {
     const FlatPiece& piece = surface_.pieces()[index];
@@ -174,17 +182,35 @@ class TargetConvolution {
     if (is_kinked) kinked_windows_.insert(kinked_windows_.end(), chosen_.begin(), chosen_.end());
   }
 
-  // Those of the face's windows that may hold a shortest path to a point of a piece.
+  // Those of the face's windows that may hold a shortest path to a point of a piece: within its circle two
+  // lengths' difference changes by at most the radius times the largest difference of their directions, and a
+  // direction turns by at most radius / (rho - radius), rho being the way from the source to the centroid.
   bool choose_windows(const Vec2d& centroid, double radius) {
     chosen_.clear();
-    double longest = reach_mm_;  // of the shortest paths to points of the piece
+    arrivals_.clear();
+    const Arrival* best = nullptr;  // of those that cover the whole circle
+    std::size_t best_index = windows_.size();
     for (const GeodesicWindow* window : windows_) {
-      if (window->beyond_rays(centroid) <= -radius || window->all_round)
-        longest = std::min(longest, window->distance(centroid) + radius);
+      const double beyond = window->beyond_rays(centroid);
+      if (beyond > radius) continue;
+      const Vec2d along = centroid - window->source;
+      const double rho = along.norm();
+      const double length = window->offset_mm + rho;
+      if (length - radius > reach_mm_) continue;
+      const bool covers = beyond <= -radius || window->all_round;
+      if (covers && (best_index == windows_.size() || length < arrivals_[best_index].length_mm))
+        best_index = arrivals_.size();
+      arrivals_.push_back({window, length, rho, rho > 0.0 ? Vec2d(along / rho) : along});
     }
-    for (const GeodesicWindow* window : windows_) {
-      if (window->beyond_rays(centroid) <= radius && window->distance(centroid) - radius <= longest)
-        chosen_.push_back(window);
+    if (best_index < arrivals_.size()) best = &arrivals_[best_index];
+    for (const Arrival& arrival : arrivals_) {
+      if (best != nullptr && &arrival != best) {
+        const double room = std::min(arrival.rho_mm, best->rho_mm) - radius;
+        const double turned = room > radius ? 2.0 * radius / room : 2.0;
+        const double apart = std::min(2.0, (arrival.direction - best->direction).norm() + turned);
+        if (arrival.length_mm - best->length_mm > apart * radius) continue;
+      }
+      chosen_.push_back(arrival.window);
     }
     return !chosen_.empty();
   }
@@ -247,7 +273,8 @@ class TargetConvolution {
   std::vector<Vec4d> total_;
   std::vector<const GeodesicWindow*> windows_;  // of the current face
   std::vector<const GeodesicWindow*> chosen_;   // of the current piece
-  std::vector<std::size_t> by_formula_;         // layers of the current piece
+  std::vector<Arrival> arrivals_;
+  std::vector<std::size_t> by_formula_;  // layers of the current piece
   std::vector<TruthLayer> formula_layers_;
   std::vector<Vec4d> formula_sums_;
   std::vector<Kinked> kinked_;
