@@ -31,8 +31,12 @@ Vec2d rotated(const Vec2d& v, double angle) {
 // Distance from s to the segment between a and b.
 double distance_to_segment(const Vec2d& s, const Vec2d& a, const Vec2d& b) {
   const Vec2d ab = b - a;
-  const double t = std::clamp((s - a).dot(ab) / std::max(ab.squaredNorm(), 1e-300), 0.0, 1.0);
-  return (a + t * ab - s).norm();
+  const Vec2d as = s - a;
+  const double along = as.dot(ab);
+  if (along <= 0.0) return as.norm();
+  const double squared = ab.squaredNorm();
+  if (along >= squared) return (b - s).norm();
+  return std::abs(cross(ab, as)) / std::sqrt(squared);
 }
 
 // Where the ray from s along d meets the line through a and b, as a fraction from a to b, kept within [0, 1].
@@ -183,18 +187,20 @@ void GeodesicField::pass_on(std::size_t face, int edge, const GeodesicWindow& ra
   if (crossing.face < 0 || to - from < kNarrow) return;
   const Vec2d& a = mesh_.corner(face, edge);
   const Vec2d& b = mesh_.corner(face, next(edge));
-  const Vec2d first = a + from * (b - a);
-  const Vec2d last = a + to * (b - a);
+  const Vec2d ab = b - a;
+  const Vec2d first = a + from * ab;
+  const Vec2d last = a + to * ab;
   const double least = offset_mm + distance_to_segment(source, first, last);
   if (!(least < radius_mm_)) return;
   // Longer all along than a known path along the edge from one of its ends: of no use beyond it either.
-  const double slack = kSame * radius_mm_;
-  if (vertex_distance(mesh_.vertex(face, edge)) + (last - a).norm() + slack <
-      offset_mm + (last - source).norm())
-    return;
-  if (vertex_distance(mesh_.vertex(face, next(edge))) + (first - b).norm() + slack <
-      offset_mm + (first - source).norm())
-    return;
+  const double at_a = vertex_distance(mesh_.vertex(face, edge));
+  const double at_b = vertex_distance(mesh_.vertex(face, next(edge)));
+  if (at_a < radius_mm_ || at_b < radius_mm_) {
+    const double slack = kSame * radius_mm_;
+    const double length = mesh_.edge_length(face, edge);
+    if (at_a + to * length + slack < offset_mm + (last - source).norm()) return;
+    if (at_b + (1.0 - from) * length + slack < offset_mm + (first - source).norm()) return;
+  }
   const GeodesicWindow unfolded{crossing.apply(source), offset_mm, crossing.turn(rays.left),
                                 crossing.turn(rays.right), false};
   push(least, {crossing.face, crossing.edge, unfolded, 1.0 - to, 1.0 - from});

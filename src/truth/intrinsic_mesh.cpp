@@ -51,6 +51,7 @@ void IntrinsicMesh::lay_flat(std::span<const Vec3d> positions_mm) {
                         text_of(x[0]));
     }
     corners_.push_back({Vec2d::Zero(), Vec2d(length, 0.0), Vec2d(a.dot(b) / length, twice_area / length)});
+    lengths_.push_back({length, (x[2] - x[1]).norm(), b.norm()});
     std::array<double, 3> angle;
     for (std::size_t j = 0; j < 3; ++j) {
       const Vec3d u = x[(j + 1) % 3] - x[j];

@@ -27,6 +27,9 @@ class IntrinsicMesh {
   std::size_t vertex_count() const { return vertices_.size(); }
 
   const Vec2d& corner(std::size_t face, int j) const { return corners_[face][static_cast<std::size_t>(j)]; }
+  double edge_length(std::size_t face, int edge) const {
+    return lengths_[face][static_cast<std::size_t>(edge)];
+  }
   int vertex(std::size_t face, int j) const { return faces_[face][static_cast<std::size_t>(j)]; }
 
   // What lies across an edge: unfolding maps this face's frame to the neighbour's.
@@ -69,6 +72,7 @@ class IntrinsicMesh {
 
   std::vector<std::array<int, 3>> faces_;  // vertices
   std::vector<std::array<Vec2d, 3>> corners_;
+  std::vector<std::array<double, 3>> lengths_;  // of edges
   std::vector<std::array<Crossing, 3>> crossings_;
   std::vector<std::array<double, 3>> angles_;
   std::vector<std::array<double, 3>> offsets_;
