@@ -79,7 +79,7 @@ function certificatePanel() {
                                 "passed")),
       h("p", {class: "muted"},
         "Every pixel\u2019s truth comes from the fast engine; the exact one, with closed forms, audits it. " +
-            "In units of the scene\u2019s largest irradiance, the worst of ",
+            "In units of the scene\u2019s largest irradiance, each figure the largest of ",
         plural(truths.length, "truth"), ":"),
       h("dl", {}, row("Largest difference", scientific(largest), `of ${scientific(tolerance)} allowed`),
         row("Pixels audited", count(audited), auditedWhere(truths) || "half random, half where the risk is highest"),
