@@ -9,32 +9,47 @@
 
 #include "core/parallel.h"
 #include "truth/edge_fast.h"
+#include "truth/exact.h"
 #include "truth/gauss_grid.h"
 #include "truth/quadrature.h"
 
 namespace truescatter {
 namespace {
 
-constexpr double kTailShare = 0.1;        // of the tolerance
-constexpr double kQuadratureShare = 0.6;  // of the tolerance
-constexpr double kOuterShare = 0.2;       // of the tolerance, out of the quadrature's
-constexpr double kGridShare = 0.1;        // of the tolerance
-constexpr double kClusterRadius = 0.25;   // of the search radius: larger clusters are split
+constexpr double kTailShare = 0.1;         // of the tolerance
+constexpr double kQuadratureShare = 0.6;   // of the tolerance
+constexpr double kOuterShare = 0.2;        // of the tolerance, out of the quadrature's
+constexpr double kGridShare = 0.1;         // of the tolerance
+constexpr double kClusterRadius = 0.25;    // of the search radius: larger clusters are split ...
+constexpr double kClusterTriangles = 0.5;  // ... unless they are smaller than that of a triangle
+constexpr std::size_t kMaxNodes = 64;      // of a triangle: with more, the closed form is cheaper
 constexpr std::size_t kTaskPoints = 1024;
 
-Vec4d convolve_inner_part_fast(const SurfaceTriangle& triangle, const TriangleFrame& frame,
-                               const Vec3d& point_mm, const TruthLayer& layer) {
-  return convolve_inner_part(triangle, frame, point_mm, layer,
-                             [&](double p, double t0, double t1, double at_foot) {
-                               return edge_inside_fast(p, t0, t1, layer.std_dev_mm, at_foot);
-                             });
+// Closed forms by tables where single precision will do, to rounding elsewhere.
+template <typename Scalar>
+constexpr bool kByTables = std::is_same_v<Scalar, float>;
+
+template <typename Scalar>
+Vec4d convolve_inner_part_as(const SurfaceTriangle& triangle, const TriangleFrame& frame,
+                             const Vec3d& point_mm, const TruthLayer& layer) {
+  return convolve_inner_part(
+      triangle, frame, point_mm, layer, [&](double p, double t0, double t1, double at_foot) {
+        return kByTables<Scalar> ? edge_inside_fast(p, t0, t1, layer.std_dev_mm, at_foot)
+                                 : edge_inside_exact(p, t0, t1, layer.std_dev_mm, at_foot);
+      });
 }
 
-Vec4d convolve_outer_part_fast(const SurfaceTriangle& triangle, const TriangleFrame& frame,
-                               const Vec3d& point_mm, const TruthLayer& layer) {
+template <typename Scalar>
+Vec4d convolve_outer_part_as(const SurfaceTriangle& triangle, const TriangleFrame& frame,
+                             const Vec3d& point_mm, const TruthLayer& layer) {
   return convolve_outer_part(triangle, frame, point_mm, layer,
                              [&](double p, double t0, double t1, double h, double at_cut) {
-                               return edge_outside_fast(p, t0, t1, h, layer.std_dev_mm, at_cut);
+                               if constexpr (kByTables<Scalar>)
+                                 return edge_outside_fast(p, t0, t1, h, layer.std_dev_mm, at_cut);
+                               const double at_foot = gauss_at(h, layer.std_dev_mm);
+                               EdgeIntegrals sum = edge_inside_exact(p, t0, t1, layer.std_dev_mm, at_foot);
+                               sum.radial -= edge_beyond_cut(p, t0, t1, at_foot, at_cut).radial;
+                               return sum;
                              });
 }
 
@@ -144,6 +159,7 @@ struct LayerPlan {
   TruthLayer layer;
   Part part;
   double reach_mm;           // search radius
+  double cluster_mm;         // radius of the largest clusters
   std::vector<Split> split;  // per triangle
   // Per triangle, and one more: nodes that are kept, in world coordinates. Empty until keep_nodes.
   std::vector<std::size_t> node_begin;
@@ -152,11 +168,20 @@ struct LayerPlan {
 
 template <typename Scalar>
 LayerPlan<Scalar> plan_layer(const std::vector<TriangleBounds>& bounds, const RuleChooser& chooser,
-                             const TruthLayer& layer, Part part, double reach_mm) {
-  LayerPlan<Scalar> plan{layer, part, reach_mm, {}, {}, {}};
+                             const TruthLayer& layer, Part part, double reach_mm, std::size_t max_nodes) {
+  LayerPlan<Scalar> plan{layer, part, reach_mm, 0.0, {}, {}, {}};
   plan.split.reserve(bounds.size());
-  for (const TriangleBounds& bound : bounds)
-    plan.split.push_back(chooser.choose(bound.radius_mm / layer.std_dev_mm));
+  std::vector<double> radii_mm;
+  for (const TriangleBounds& bound : bounds) {
+    const Split split = chooser.choose(bound.radius_mm / layer.std_dev_mm);
+    plan.split.push_back(split.node_count() > max_nodes ? Split{} : split);
+    radii_mm.push_back(bound.radius_mm);
+  }
+  if (!radii_mm.empty()) {
+    const auto middle = radii_mm.begin() + static_cast<std::ptrdiff_t>(radii_mm.size() / 2);
+    std::nth_element(radii_mm.begin(), middle, radii_mm.end());
+    plan.cluster_mm = std::max(kClusterRadius * reach_mm, kClusterTriangles * *middle);
+  }
   return plan;
 }
 
@@ -218,7 +243,7 @@ class ClusterWorker {
     Eigen::AlignedBox3d box;
     for (const std::uint32_t id : ids) box.extend(points_[id].position_mm);
     const double radius_mm = 0.5 * box.diagonal().norm();
-    if (radius_mm > kClusterRadius * plan.reach_mm && ids.size() > 1) {
+    if (radius_mm > plan.cluster_mm && ids.size() > 1) {
       const std::size_t half = split_at_median(points_, box, ids);
       process(ids.first(half), plan, out);
       process(ids.subspan(half), plan, out);
@@ -303,9 +328,10 @@ class ClusterWorker {
   Vec4d closed_form(std::uint32_t t, const Vec3d& point, const Plan& plan) const {
     const SurfaceTriangle& triangle = surface_.triangles[t];
     TruthLayer layer = plan.layer;
-    if (plan.part == Part::outer) return convolve_outer_part_fast(triangle, bounds_[t].frame, point, layer);
+    if (plan.part == Part::outer)
+      return convolve_outer_part_as<Scalar>(triangle, bounds_[t].frame, point, layer);
     if (plan.part == Part::whole) layer.r_max_mm = std::numeric_limits<double>::infinity();
-    return convolve_inner_part_fast(triangle, bounds_[t].frame, point, layer);
+    return convolve_inner_part_as<Scalar>(triangle, bounds_[t].frame, point, layer);
   }
 
   const Surface& surface_;
@@ -351,6 +377,7 @@ using Tasks = std::vector<std::span<std::uint32_t>>;
 // figures were measured on one machine; they decide about speed alone.
 constexpr double kVisitCost = 80.0;    // spreading a node or gathering a point
 constexpr double kGroupCost = 2000.0;  // reading or writing the lattice points around one cell
+constexpr double kClosedCost = 250.0;  // a triangle's closed form
 
 // Triangles within reach of any of the tasks' points, ascending.
 std::vector<std::uint32_t> triangles_near(const TriangleTree& tree, std::span<const SurfacePoint> points,
@@ -413,27 +440,14 @@ class ComponentConvolution {
 
   double point_count() const { return point_count_; }
 
-  // Nodes that a point's sum meets, from a sample of the tasks.
-  double nodes_per_point(const Plan& plan) const {
-    constexpr std::size_t kSample = 16;
-    const std::size_t stride = std::max<std::size_t>(1, tasks_.size() / kSample);
-    double nodes = 0.0;
-    double sampled = 0.0;
-    std::vector<std::uint32_t> near;
-    for (std::size_t t = 0; t < tasks_.size(); t += stride, ++sampled) {
-      const SurfacePoint& point = points_[tasks_[t].front()];
-      shared_.tree.find(point.position_mm, plan.reach_mm, point.component, near);
-      for (const std::uint32_t id : near) {
-        const TriangleBounds& bound = shared_.bounds[id];
-        const double farthest = (bound.centroid_mm - point.position_mm).norm() + bound.radius_mm;
-        if (plan.part == Part::outer && farthest < plan.layer.r_max_mm) continue;
-        nodes += static_cast<double>(plan.split[id].node_count());
-      }
-    }
-    return nodes / sampled;
+  // The cost of a point's sums over nodes and of its closed forms.
+  double direct_cost_per_point(const Plan& plan) const {
+    return mean_cost(plan, [](const Split& split) {
+      return split.rule == nullptr ? kClosedCost : static_cast<double>(split.node_count());
+    });
   }
 
-  // The cost of the nodes' sums by way of the grid, per point.
+  // The cost with the nodes' sums by way of the grid, per point.
   double grid_cost_per_point(const Plan& plan) const {
     const GaussLattice lattice = lattice_of(plan);
     const double cell_mm = kGaussBlock * lattice.step_mm;
@@ -445,7 +459,9 @@ class ComponentConvolution {
     }
     const double visits = kVisitCost * (nodes + point_count_);
     const double groups = kGroupCost * (std::min(nodes, cells) + std::min(point_count_, cells));
-    return (visits + groups) / point_count_;
+    const double closed =
+        mean_cost(plan, [](const Split& split) { return split.rule == nullptr ? kClosedCost : 0.0; });
+    return (visits + groups) / point_count_ + closed;
   }
 
   void add_directly(Plan& plan, double sign, std::vector<Vec4d>& out) const {
@@ -469,6 +485,27 @@ class ComponentConvolution {
   }
 
  private:
+  // The sum of `cost_of(split)` over the triangles that a point's sum meets, from a sample of the tasks.
+  template <typename CostOf>
+  double mean_cost(const Plan& plan, const CostOf& cost_of) const {
+    constexpr std::size_t kSample = 16;
+    const std::size_t stride = std::max<std::size_t>(1, tasks_.size() / kSample);
+    double cost = 0.0;
+    double sampled = 0.0;
+    std::vector<std::uint32_t> near;
+    for (std::size_t t = 0; t < tasks_.size(); t += stride, ++sampled) {
+      const SurfacePoint& point = points_[tasks_[t].front()];
+      shared_.tree.find(point.position_mm, plan.reach_mm, point.component, near);
+      for (const std::uint32_t id : near) {
+        const TriangleBounds& bound = shared_.bounds[id];
+        const double farthest = (bound.centroid_mm - point.position_mm).norm() + bound.radius_mm;
+        if (plan.part == Part::outer && farthest < plan.layer.r_max_mm) continue;
+        cost += cost_of(plan.split[id]);
+      }
+    }
+    return cost / sampled;
+  }
+
   GaussLattice lattice_of(const Plan& plan) const {
     return {plan.layer.std_dev_mm, kGridShare * shared_.tolerance};
   }
@@ -500,21 +537,28 @@ class LayerPlans {
 
   bool is_cut() const { return layer_.r_max_mm < tail_mm_; }
 
-  // A cut layer's whole leaves a part of the budget for what is then taken off.
-  Plan& whole() {
-    const double share = is_cut() ? kQuadratureShare - kOuterShare : kQuadratureShare;
-    return made(whole_, share, 0.0, Part::whole, tail_mm_);
+  // All at once, point by point.
+  Plan& direct() {
+    return is_cut() ? made(direct_, kQuadratureShare, 0.0, Part::inner, layer_.r_max_mm, kMaxNodes)
+                    : made(direct_, kQuadratureShare, 0.0, Part::whole, tail_mm_, kMaxNodes);
   }
-  Plan& inner() { return made(inner_, kQuadratureShare, 0.0, Part::inner, layer_.r_max_mm); }
+  // By way of the grid, where a node costs the same for any number of points: nothing is cut off, and ...
+  Plan& gridded() {
+    // ... a part of the budget is left for what is then taken off.
+    const double share = is_cut() ? kQuadratureShare - kOuterShare : kQuadratureShare;
+    return made(gridded_, share, 0.0, Part::whole, tail_mm_, std::numeric_limits<std::size_t>::max());
+  }
+  // What is taken off a gridded layer.
   Plan& outer() {
-    return made(outer_, kOuterShare, layer_.r_max_mm / layer_.std_dev_mm, Part::outer, tail_mm_);
+    return made(outer_, kOuterShare, layer_.r_max_mm / layer_.std_dev_mm, Part::outer, tail_mm_, kMaxNodes);
   }
 
  private:
-  Plan& made(std::optional<Plan>& plan, double share, double beyond_std_devs, Part part, double reach_mm) {
+  Plan& made(std::optional<Plan>& plan, double share, double beyond_std_devs, Part part, double reach_mm,
+             std::size_t max_nodes) {
     if (!plan) {
       const RuleChooser chooser(share * shared_.tolerance, beyond_std_devs);
-      plan = plan_layer<Scalar>(shared_.bounds, chooser, layer_, part, reach_mm);
+      plan = plan_layer<Scalar>(shared_.bounds, chooser, layer_, part, reach_mm, max_nodes);
     }
     return *plan;
   }
@@ -522,8 +566,8 @@ class LayerPlans {
   const Shared& shared_;
   TruthLayer layer_;
   double tail_mm_;
-  std::optional<Plan> whole_;
-  std::optional<Plan> inner_;
+  std::optional<Plan> direct_;
+  std::optional<Plan> gridded_;
   std::optional<Plan> outer_;
 };
 
@@ -531,14 +575,13 @@ class LayerPlans {
 template <typename Scalar>
 void add_layer(const ComponentConvolution<Scalar>& component, LayerPlans<Scalar>& plans,
                std::vector<Vec4d>& out) {
-  LayerPlan<Scalar>& direct = plans.is_cut() ? plans.inner() : plans.whole();
-  const double direct_cost = component.nodes_per_point(direct);
+  const double direct_cost = component.direct_cost_per_point(plans.direct());
   // Gathering alone costs a visit: for a few nodes, nothing more need be asked.
-  if (direct_cost < kVisitCost) return component.add_directly(direct, 1.0, out);
-  double grid_cost = component.grid_cost_per_point(plans.whole());
-  if (plans.is_cut()) grid_cost += component.nodes_per_point(plans.outer());
-  if (direct_cost < grid_cost) return component.add_directly(direct, 1.0, out);
-  component.add_on_grid(plans.whole(), out);
+  if (direct_cost < kVisitCost) return component.add_directly(plans.direct(), 1.0, out);
+  double grid_cost = component.grid_cost_per_point(plans.gridded());
+  if (plans.is_cut()) grid_cost += component.direct_cost_per_point(plans.outer());
+  if (direct_cost < grid_cost) return component.add_directly(plans.direct(), 1.0, out);
+  component.add_on_grid(plans.gridded(), out);
   if (plans.is_cut()) component.add_directly(plans.outer(), -1.0, out);
 }
 
