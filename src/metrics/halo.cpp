@@ -11,6 +11,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kBandStdDevs = 3.0;
 constexpr double kRangeStdDevs = 6.0;
 constexpr double kWithin = 0.01;
+constexpr double kDark = 1e-3;  // of the truth's RMS
 
 bool counts(ContourClass nearest, HaloSide side) {
   switch (side) {
@@ -40,6 +41,7 @@ struct Sums {
     truth += t;
     ++pixels;
   }
+  double mean_truth() const { return pixels > 0 ? truth / static_cast<double>(pixels) : 0.0; }
   double rmse() const { return pixels > 0 ? std::sqrt(square / static_cast<double>(pixels)) : kNan; }
 };
 
@@ -74,11 +76,15 @@ Halo measure_halo(const Image& test, const Image& truth, const Image& mask, cons
   std::vector<Sums> binned(bins);
   Sums band;
   Sums beyond;
+  double truth_square = 0.0;
+  std::size_t masked = 0;
   for (int y = 0; y < truth.height(); ++y) {
     for (int x = 0; x < truth.width(); ++x) {
       if (mask.at(x, y, 0) == 0.0F) continue;
       const double reference = value_of(truth, x, y, quantity);
       const double error = value_of(test, x, y, quantity) - reference;
+      truth_square += reference * reference;
+      ++masked;
       const double delta_mm = contours.delta_mm[contours.index(x, y)];
       if (delta_mm > kRangeStdDevs * widest_std_dev_mm) beyond.add(error, reference);
       if (!counts(contours.nearest[contours.index(x, y)], side)) continue;
@@ -87,14 +93,15 @@ Halo measure_halo(const Image& test, const Image& truth, const Image& mask, cons
       if (bin < bins) binned[bin].add(error, reference);
     }
   }
+  const double dark = masked > 0 ? kDark * std::sqrt(truth_square / static_cast<double>(masked)) : 0.0;
   for (const Sums& sums : binned) {
-    halo.profile.relative_error.push_back(sums.truth > 0.0 ? sums.error / sums.truth : kNan);
+    halo.profile.relative_error.push_back(sums.mean_truth() > dark ? sums.error / sums.truth : kNan);
     halo.profile.pixels.push_back(sums.pixels);
   }
   halo.pixels = band.pixels;
   halo.peak = peak_of(halo.profile.relative_error);
   halo.width_mm = std::isfinite(halo.peak) ? width_of(halo.profile) : kNan;
-  halo.energy = band.truth > 0.0 ? band.magnitude / band.truth : kNan;
+  halo.energy = band.mean_truth() > dark ? band.magnitude / band.truth : kNan;
   halo.contrast = beyond.rmse() > 0.0 ? band.rmse() / beyond.rmse() : kNan;
   return halo;
 }

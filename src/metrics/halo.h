@@ -9,10 +9,12 @@
 
 namespace truescatter {
 
-// Relative error against the distance delta to the silhouette: in each bin sum(test - truth) / sum(truth).
+// Relative error against the distance delta to the silhouette: in each bin sum(test - truth) / sum(truth). A
+// bin whose mean true light is less than a thousandth of the picture's RMS has none: that close to black the
+// quotient says how dark a shadow is, up to 1e15, and nothing of the method.
 struct HaloProfile {
   double bin_mm = 0.0;
-  std::vector<double> relative_error;  // bin i covers [i, i + 1) * bin_mm; NaN where no light is
+  std::vector<double> relative_error;  // bin i covers [i, i + 1) * bin_mm; NaN where no light is to speak of
   std::vector<std::size_t> pixels;
 };
 

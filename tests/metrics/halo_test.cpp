@@ -153,6 +153,18 @@ TEST(Halo, IsNotANumberWhereNoLightIs) {
   expect_no_halo(line.halo());
 }
 
+// In black, 1e-15 of light against 1e-4 would be a halo of 1e11: it is none. With truth 1 in the other 63
+// bins the RMS is 1 but for 1 %, so a bin is dark below 1e-3.
+TEST(Halo, ABinCloseToBlackHasNoRelativeError) {
+  Line line = one_pixel_per_bin([](int) { return 0.0; });
+  line.set(3, 3.5 / 8.0, ContourClass::outer, 1e-15, 1e-4);
+  line.set(4, 4.5 / 8.0, ContourClass::outer, 1.0 / 512.0, 1.0 / 1024.0);
+  const Halo halo = line.halo();
+  EXPECT_TRUE(std::isnan(halo.profile.relative_error[3]));
+  EXPECT_EQ(halo.profile.relative_error[4], 0.5);
+  EXPECT_EQ(halo.peak, 0.5);
+}
+
 // A quarter of a pixel where that is wider than s/8; and 6 s in bins of s/8 are 48 for every s, although
 // 6 s / (s/8) rounds to a little more than 48 for some.
 TEST(Halo, BinsAreAQuarterPixelOrAnEighthOfS) {
