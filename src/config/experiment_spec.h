@@ -63,6 +63,19 @@ struct ViewSpec {
   int height_px = 640;
 };
 
+// A profile of diffusion theory, three channels of image sources.
+struct ProfileModelSpec {
+  std::string model;     // classical-dipole | better-dipole | multipole (what the slab's lit side sends back)
+  std::string material;  // a name; empty: the coefficients below
+  Vec3d sigma_a_per_mm = Vec3d::Zero();
+  Vec3d sigma_s_prime_per_mm = Vec3d::Zero();
+  double eta = 1.3;
+  double thickness_mm = 0.0;  // multipole
+  double tolerance = 1e-5;    // of the mixture of Gaussians that its truth is computed by, in the area norm
+  SourceLocation where;       // the model's
+  SourceLocation material_where;
+};
+
 // A profile by its built-in name, or spelled out.
 struct ProfileSpec {
   std::string name;
@@ -75,6 +88,7 @@ struct ProfileSpec {
   };
   std::vector<Gaussian> gaussians;
   double r_max_mm = 0.0;
+  std::optional<ProfileModelSpec> of;  // what it approximates: its truth is asked for too
 };
 
 struct MethodSpec {

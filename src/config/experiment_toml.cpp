@@ -112,11 +112,54 @@ ViewSpec read_view(TomlTable table) {
   return view;
 }
 
+// The material by its name or by its coefficients, never both.
+void read_coefficients(TomlTable& table, ProfileModelSpec& of) {
+  constexpr double kLargestEta = 10.0;
+  of.material = table.text("material", "");
+  of.material_where = table.where("material");
+  if (table.has("material")) {
+    if (of.material.empty()) table.fail("material", "'profile.of.material' must not be empty");
+    for (const char* key : {"sigma_a", "sigma_s_prime", "eta"}) {
+      if (table.has(key))
+        table.fail(key, fmt::format("'profile.of.{}' is the material's: give one or the other", key));
+    }
+    return;
+  }
+  of.sigma_a_per_mm = table.rgb("sigma_a");
+  if (of.sigma_a_per_mm.minCoeff() < 0.0) table.fail("sigma_a", "'profile.of.sigma_a' must not be negative");
+  // The diffusion of what does not absorb reaches infinitely far: only the classical dipole has a total then.
+  if (of.model != "classical-dipole" && of.sigma_a_per_mm.minCoeff() <= 0.0) {
+    table.fail("sigma_a", fmt::format("'profile.of.sigma_a' must be positive for the {}", of.model));
+  }
+  of.sigma_s_prime_per_mm = table.rgb("sigma_s_prime");
+  if (of.sigma_s_prime_per_mm.minCoeff() <= 0.0)
+    table.fail("sigma_s_prime", "'profile.of.sigma_s_prime' must be positive");
+  of.eta = table.number("eta", of.eta, 1.0, kLargestEta);
+  if (of.eta == 1.0) table.fail("eta", "'profile.of.eta' must be above 1");
+}
+
+ProfileModelSpec read_profile_model(TomlTable table) {
+  ProfileModelSpec of;
+  table.text("model");
+  of.model = table.one_of("model", "", {"classical-dipole", "better-dipole", "multipole"});
+  of.where = table.where("model");
+  read_coefficients(table, of);
+  if (of.model == "multipole") {
+    of.thickness_mm = table.number("thickness_mm", 1e-6, 1e6);
+  } else if (table.has("thickness_mm")) {
+    table.fail("thickness_mm", "'profile.of.thickness_mm' is for the multipole: a dipole has no far side");
+  }
+  of.tolerance = table.number("tolerance", of.tolerance, 1e-12, 0.1);
+  table.finish();
+  return of;
+}
+
 ProfileSpec read_profile(TomlTable table) {
   ProfileSpec profile;
   profile.name = table.text("name");
   profile.where = table.where("name");
   check_file_name(table, "name", "profile.name", profile.name);
+  if (table.has("of")) profile.of = read_profile_model(table.table("of"));
   profile.builtin = !table.has("gaussian");
   if (profile.builtin) {
     table.finish();
@@ -344,15 +387,28 @@ std::string method_toml(const MethodSpec& method) {
   return text;
 }
 
+std::string profile_model_toml(const ProfileModelSpec& of) {
+  std::string text = "[profile.of]\n" + line("model", of.model);
+  if (!of.material.empty()) {
+    text += line("material", of.material);
+  } else {
+    text += line("sigma_a", of.sigma_a_per_mm) + line("sigma_s_prime", of.sigma_s_prime_per_mm) +
+            line("eta", of.eta);
+  }
+  if (of.model == "multipole") text += line("thickness_mm", of.thickness_mm);
+  return text + line("tolerance", of.tolerance);
+}
+
 std::string profile_toml(const ProfileSpec& profile) {
   std::string text = "\n[[profile]]\n" + line("name", profile.name);
-  if (profile.builtin) return text;
+  const std::string of = profile.of ? profile_model_toml(*profile.of) : "";
+  if (profile.builtin) return text + of;
   text += line("delta_weight", profile.delta_weight) + line("r_max_mm", profile.r_max_mm);
   for (const auto& gaussian : profile.gaussians) {
     text += "[[profile.gaussian]]\n" + line("variance_mm2", gaussian.variance_mm2) +
             line("weight", gaussian.weight);
   }
-  return text;
+  return text + of;
 }
 
 std::string scene_toml(const ExperimentSpec& spec) {

@@ -30,9 +30,16 @@ void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, double ra
       write_png(maps / (truth.stem + ".png"), rendered_picture(truth.rgb, view.albedo, exposure));
     });
     jobs.emplace_back([&view, &truth, maps] {
-      write_exr(
-          maps / (truth.stem + ".exr"),
-          {{"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &view.irradiance}, {"mask", &view.mask}});
+      std::vector<ExrLayer> layers = {
+          {"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &view.irradiance}, {"mask", &view.mask}};
+      if (!truth.fit_error.empty()) layers.push_back({"fit_error", &truth.fit_error});
+      write_exr(maps / (truth.stem + ".exr"), layers);
+    });
+    if (truth.fit_error.empty()) continue;
+    jobs.emplace_back([&view, &truth, maps, range] {
+      write_png(
+          maps / (truth.stem + ".signed.png"),
+          map_picture(truth.fit_error, view.measured, MapKind::signed_error, range, "FIT ERROR LUMINANCE"));
     });
   }
   for (const ViewMaps::Run& run : view.runs) {
@@ -48,8 +55,9 @@ void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, double ra
                 map_picture(run.error, view.measured, MapKind::signed_error, range, "ERROR LUMINANCE"));
     });
     jobs.emplace_back([&view, &run, maps] {
-      write_exr(maps / (run.stem + ".exr"),
-                {{"", &run.exitance}, {"error", &run.error}, {"mask", &view.mask}});
+      std::vector<ExrLayer> layers = {{"", &run.exitance}, {"error", &run.error}, {"mask", &view.mask}};
+      if (!run.profile_error.empty()) layers.push_back({"profile_error", &run.profile_error});
+      write_exr(maps / (run.stem + ".exr"), layers);
     });
   }
 }

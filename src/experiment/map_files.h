@@ -15,11 +15,13 @@ struct ViewMaps {
     std::string stem;  // of its files' names
     Image rgb;
     Image mass;
+    Image fit_error = {};  // of the truth of a profile itself: that of its Gaussians less it; else empty
   };
   struct Run {
     std::string stem;
     Image exitance;
-    Image error;
+    Image error;          // against the headline
+    Image profile_error;  // against the truth of the profile itself; empty without one
   };
 
   std::string name;

@@ -66,11 +66,25 @@ std::string describe_truth(const std::string& view, const PlannedTruth& truth) {
       fmt::join(roles, "; "));
 }
 
+std::string describe_model_truth(const std::string& view, const Profile& profile, const ProfileModel& model) {
+  return fmt::format("truth {}: {}, {} Gaussians, off by {:.2g} at most; fit error, profile error\n",
+                     model_truth_id(view, profile, true), model.title(),
+                     gaussian_levels(model.mixture).size(), model.error_bound.maxCoeff());
+}
+
 }  // namespace
+
+const ProfileModel* Plan::model_of(const Profile& profile) const {
+  const auto found = models.find(profile.name);
+  return found != models.end() ? &found->second : nullptr;
+}
 
 Plan make_plan(const ExperimentSpec& spec) {
   Plan plan;
-  for (const ProfileSpec& profile : spec.profiles) plan.profiles.push_back(resolve_profile(profile));
+  for (const ProfileSpec& profile : spec.profiles) {
+    plan.profiles.push_back(resolve_profile(profile));
+    if (profile.of) plan.models.emplace(profile.name, make_profile_model(*profile.of, profile.name));
+  }
   for (const MethodSpec& m : spec.methods) {
     const Method& method = find_method(m.name, m.where);
     plan.methods.push_back(
@@ -115,6 +129,10 @@ std::string truth_id(const std::string& view, const Profile& profile, const OwnT
   return id;
 }
 
+std::string model_truth_id(const std::string& view, const Profile& profile, bool normalised) {
+  return fmt::format("{}/{}/profile-itself-{}", view, profile.name, normalised ? "normalised" : "raw");
+}
+
 std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const SceneOutline& scene) {
   const std::size_t runs = spec.views.size() * plan.profiles.size() * plan.methods.size();
   std::string text = fmt::format("{}: {} views x {} profiles x {} methods = {} runs\n", spec.name,
@@ -127,6 +145,10 @@ std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const Sc
   for (const ViewSpec& view : spec.views) {
     text += fmt::format("view {}: {} x {} px\n", view.name, view.width_px, view.height_px);
     for (const PlannedTruth& truth : truths) text += "  " + describe_truth(view.name, truth);
+    for (const Profile& profile : plan.profiles) {
+      if (const ProfileModel* model = plan.model_of(profile))
+        text += "  " + describe_model_truth(view.name, profile, *model);
+    }
     for (const Profile& profile : plan.profiles) {
       for (const PlannedMethod& m : plan.methods) {
         const std::string id = fmt::format("{}/{}/{}", view.name, profile.name, m.label);

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "config/experiment_spec.h"
+#include "experiment/profile_model.h"
 #include "experiment/scene_setup.h"
 #include "methods/method.h"
 #include "profile/profile.h"
@@ -20,12 +22,16 @@ struct PlannedMethod {
 // An experiment with every name resolved: scenes x views x profiles x methods.
 struct Plan {
   std::vector<Profile> profiles;
+  std::map<std::string, ProfileModel> models;  // what profiles approximate, where they say, by their names
   std::vector<PlannedMethod> methods;
   std::vector<OwnTarget> extra_targets;  // every method is measured against these too
   std::string no_geodesics;              // why no geodesic truth is computed; empty: they are
+
+  // What this profile approximates; null where it does not say.
+  const ProfileModel* model_of(const Profile& profile) const;
 };
 
-// Throws Error (input) at the offending line: unknown profile or method, a setting out of range.
+// Throws Error (input) at the offending line: unknown profile, material or method, a setting out of range.
 Plan make_plan(const ExperimentSpec& spec);
 
 // A truth that every view needs: a profile's headline, what methods set out to compute, or one that the
@@ -48,6 +54,9 @@ std::vector<PlannedTruth> planned_truths(const Plan& plan, bool has_uvs);
 
 // A truth's name in results.json.
 std::string truth_id(const std::string& view, const Profile& profile, const OwnTarget& target);
+
+// The same of the truth of the profile that `profile` approximates.
+std::string model_truth_id(const std::string& view, const Profile& profile, bool normalised);
 
 // What a run would do, for --dry-run: scene, methods with their settings, and for each view its truths and
 // runs.

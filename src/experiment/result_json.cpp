@@ -10,10 +10,22 @@ json certificate_json(const Certificate& certificate, const AuditSample& audited
   for (const auto& [name, count] : audited.classes) classes[name] = count;
   return {{"audited", certificate.audited},       {"classes", classes},
           {"max_error", certificate.max_error},   {"tolerance", certificate.tolerance},
-          {"tail_bound", certificate.tail_bound}, {"open_share_95", certificate.open_share}};
+          {"tail_bound", certificate.tail_bound}, {"open_share_95", certificate.open_share},
+          {"weight", certificate.weight},         {"approximation", certificate.approximation}};
 }
 
 json rgb_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+
+// What every truth says of itself.
+void put_truth(json& object, const std::string& view, const Profile& profile, const TruthImage& truth,
+               const AuditSample& audited) {
+  object["view"] = view;
+  object["profile"] = profile.name;
+  object["seconds"] = truth.seconds;
+  object["cached"] = truth.cached;
+  object["uncertainty"] = truth.certificate.uncertainty();
+  object["certificate"] = certificate_json(truth.certificate, audited);
+}
 
 }  // namespace
 
@@ -90,15 +102,42 @@ json truth_json(const std::string& view, const PlannedTruth& planned, const Trut
                 const AuditSample& audited) {
   json object = target_json(planned.target);
   object["id"] = truth_id(view, *planned.profile, planned.target);
-  object["view"] = view;
-  object["profile"] = planned.profile->name;
+  put_truth(object, view, *planned.profile, truth, audited);
   object["headline"] = planned.is_headline();
   object["own_target_of"] = planned.own_target_of;
   object["extra"] = planned.extra;
-  object["seconds"] = truth.seconds;
-  object["cached"] = truth.cached;
-  object["uncertainty"] = truth.certificate.uncertainty();
-  object["certificate"] = certificate_json(truth.certificate, audited);
+  return object;
+}
+
+json profile_model_json(const ProfileModel& model) {
+  const ProfileModelSpec& spec = model.spec;
+  json object = {{"model", spec.model},
+                 {"title", model.title()},
+                 {"sigma_a_per_mm", rgb_json(spec.sigma_a_per_mm)},
+                 {"sigma_s_prime_per_mm", rgb_json(spec.sigma_s_prime_per_mm)},
+                 {"eta", spec.eta},
+                 {"albedo", rgb_json(model.albedo)},
+                 {"mixture",
+                  {{"gaussians", gaussian_levels(model.mixture).size()},
+                   {"tolerance", spec.tolerance},
+                   {"error_bound", rgb_json(model.error_bound)}}}};
+  object["material"] = spec.material.empty() ? json() : json(spec.material);
+  object["thickness_mm"] = spec.model == "multipole" ? json(spec.thickness_mm) : json();
+  return object;
+}
+
+json model_truth_json(const std::string& view, const Profile& profile, const ProfileModel& model,
+                      bool normalised, const ProfileTruth& truth, const AuditSample& audited) {
+  json object = target_json({false, normalised, std::nullopt});
+  object["id"] = model_truth_id(view, profile, normalised);
+  put_truth(object, view, profile, normalised ? truth.normalised : truth.raw, audited);
+  object["headline"] = false;
+  object["own_target_of"] = json::array();
+  object["extra"] = false;
+  object["of"] = profile_model_json(model);
+  object["radial_check"] = {{"points", truth.check.points},
+                            {"max_difference", truth.check.max_difference},
+                            {"allowed", truth.check.allowed}};
   return object;
 }
 

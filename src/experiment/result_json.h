@@ -4,6 +4,7 @@
 #include <string>
 
 #include "experiment/plan.h"
+#include "experiment/profile_truth.h"
 #include "experiment/scene_setup.h"
 #include "experiment/view_truth.h"
 
@@ -14,11 +15,17 @@ namespace truescatter {
 // The mesh, its shading mesh and UVs, and how well irradiance is resolved.
 nlohmann::json scene_json(const ExperimentSpec& spec, const PreparedScene& scene);
 nlohmann::json profile_json(const Profile& profile);
+// What a profile approximates: the model with its coefficients, its albedo, and the mixture that stands for
+// it.
+nlohmann::json profile_model_json(const ProfileModel& model);
 nlohmann::json settings_json(const Settings& settings);
 // metric, normalised, visible_only, r_max_mm.
 nlohmann::json target_json(const OwnTarget& target);
 // An entry of truths[]: the target with its id, roles, cost and certificate.
 nlohmann::json truth_json(const std::string& view, const PlannedTruth& planned, const TruthImage& truth,
                           const AuditSample& audited);
+// The same for one of the two truths of the profile that `profile` approximates.
+nlohmann::json model_truth_json(const std::string& view, const Profile& profile, const ProfileModel& model,
+                                bool normalised, const ProfileTruth& truth, const AuditSample& audited);
 
 }  // namespace truescatter

@@ -28,7 +28,7 @@ json at_pointer(const json& object, const char* pointer) {
 }  // namespace
 
 std::string results_csv(const json& results) {
-  static constexpr std::array<std::array<const char*, 2>, 23> kColumns = {
+  static constexpr std::array<std::array<const char*, 2>, 24> kColumns = {
       {{"view", "/view"},
        {"profile", "/profile"},
        {"method", "/method"},
@@ -48,6 +48,7 @@ std::string results_csv(const json& results) {
        {"halo_energy", "/metrics/halo/energy"},
        {"halo_contrast", "/metrics/halo/contrast"},
        {"own_rmse", "/own_target/metrics/rmse"},
+       {"profile_rmse", "/profile_error/metrics/rmse"},
        {"frame_ms", "/cost/frame_ms/median"},
        {"passes", "/cost/passes"},
        {"fetches_per_pixel", "/cost/fetches_per_pixel"},

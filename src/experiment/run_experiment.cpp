@@ -58,8 +58,13 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                   {"profiles", json::array()},
                   {"views", json::array()},
                   {"truths", json::array()},
+                  {"fit_errors", json::array()},
                   {"runs", json::array()}};
-  for (const Profile& profile : plan.profiles) results["profiles"].push_back(profile_json(profile));
+  for (const Profile& profile : plan.profiles) {
+    results["profiles"].push_back(profile_json(profile));
+    if (const ProfileModel* model = plan.model_of(profile))
+      results["profiles"].back()["of"] = profile_model_json(*model);
+  }
   std::list<ViewMaps> views;
   for (const ViewSpec& view : spec.views) views.push_back(run_view(setup, view, results));
 

@@ -29,6 +29,7 @@ class SceneTruths {
   std::string obstacle(const OwnTarget& target) const;
   // Null where the mesh carries no geodesics, or nobody asked for them.
   const GeodesicSurface* geodesic() const { return geodesic_ ? &*geodesic_ : nullptr; }
+  const Surface& skin() const { return skin_; }
   // Points and `visible` outlive the source; the kind has no obstacle. `visible`: of the points' view, where
   // the kind asks for it.
   std::unique_ptr<LayerSource> source(LayerKind kind, const ViewPoints& points,

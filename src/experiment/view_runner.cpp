@@ -4,10 +4,13 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include "core/progress.h"
 #include "experiment/metrics_json.h"
+#include "experiment/profile_truth.h"
 #include "experiment/result_json.h"
 #include "experiment/view_truth.h"
 #include "gpu/timer.h"
@@ -19,8 +22,6 @@ namespace truescatter {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kSmallMass = 0.5;
 
 struct Measured {
   Image exitance;
@@ -120,11 +121,19 @@ struct ProfileTruths {
   }
 };
 
+// The truth of the profile that a profile approximates.
+struct ViewedModel {
+  const ProfileModel& model;
+  const ProfileTruth& truth;
+  Image mask;  // the pixels that are measured against it, and against the headline
+};
+
 // What every method is compared with under one profile.
 struct Comparison {
   const Profile& profile;
   const ProfileTruths& truths;
   const FlipReference& flip;
+  const ViewedModel* model;  // null where the profile approximates nothing
 };
 
 // The albedo behind every pixel; empty without one.
@@ -193,6 +202,7 @@ class ViewRunner {
     for (const PlannedTruth& truth : planned_) {
       if (missing(truth).empty()) requests.push_back({truth.profile, truth.target});
     }
+    for (const auto& [name, model] : setup_.plan.models) requests.push_back(request_of(model));
     const bool visible_only = std::any_of(requests.begin(), requests.end(),
                                           [](const auto& request) { return request.target.visible_only; });
     const VisibleSurface visible =
@@ -203,6 +213,8 @@ class ViewRunner {
           return setup_.truths.source(kind, points, &visible);
         },
         setup_.truths.geodesic());
+    for (const auto& [name, model] : setup_.plan.models)
+      profile_truths_.emplace(name, profile_truth(model, truth_, setup_.truths.skin()));
   }
 
   // Why there is no such truth; empty: there is.
@@ -215,8 +227,10 @@ class ViewRunner {
     const TruthImage& headline = truths.headline().image;
     const FlipReference flip(exposed(headline.rgb, setup_.exposure()));
     add_truths(profile, truths);
+    const std::optional<ViewedModel> model = view_model(profile, truths.headline());
+    if (model) add_model(profile, truths.headline(), *model);
     for (const PlannedMethod& m : setup_.plan.methods) {
-      measure_method(m, {profile, truths, flip});
+      measure_method(m, {profile, truths, flip, model ? &*model : nullptr});
       progress.advance();
     }
     // Maps show what is measured under every profile.
@@ -259,6 +273,39 @@ class ViewRunner {
     maps_.truths.push_back({stem, headline.rgb, headline.smallest_mass});
   }
 
+  std::optional<ViewedModel> view_model(const Profile& profile, const ViewedTruth& headline) const {
+    const ProfileModel* model = setup_.plan.model_of(profile);
+    if (model == nullptr) return std::nullopt;
+    const ProfileTruth& truth = profile_truths_.at(profile.name);
+    return ViewedModel{*model, truth, measured_mask(headline.mask, truth.normalised.smallest_mass)};
+  }
+
+  // The two truths of the profile itself, and the error of its Gaussians: the headline against it.
+  void add_model(const Profile& profile, const ViewedTruth& headline, const ViewedModel& viewed) {
+    const std::string stem = name_ + "." + profile.name + ".truth.profile";
+    const TruthImage& itself = viewed.truth.normalised;
+    for (const bool normalised : {true, false}) {
+      json truth = model_truth_json(name_, profile, viewed.model, normalised, viewed.truth, truth_.audited());
+      truth["points"] = truth_.points().size();
+      truth["low_mass_pixels"] =
+          normalised ? skin_pixels(images_.mask) - skin_pixels(viewed.mask) : std::size_t{0};
+      if (normalised)
+        truth["files"] = {{"picture", "maps/" + stem + ".png"}, {"exr", "maps/" + stem + ".exr"}};
+      results_["truths"].push_back(truth);
+    }
+    json fit = {{"view", name_},
+                {"profile", profile.name},
+                {"fit", truth_id(name_, profile, OwnTarget{})},
+                {"truth", model_truth_id(name_, profile, true)},
+                {"compared", "fit - profile, each normalised to send back its own albedo of even light"},
+                {"metrics", error_stats_json(headline.image.rgb, itself.rgb, viewed.mask)},
+                {"files", {{"signed", "maps/" + stem + ".signed.png"}}}};
+    put_distinguishable(fit, itself.certificate.uncertainty() + headline.image.certificate.uncertainty());
+    results_["fit_errors"].push_back(fit);
+    maps_.truths.push_back(
+        {stem, itself.rgb, itself.smallest_mass, signed_error(headline.image.rgb, itself.rgb, images_.mask)});
+  }
+
   void measure_method(const PlannedMethod& planned, const Comparison& against) {
     const Method& method = *planned.method;
     const Profile& profile = against.profile;
@@ -286,6 +333,7 @@ class ViewRunner {
     for (const ViewedTruth& truth : against.truths.all) {
       if (truth.planned.extra) run["extra_targets"].push_back(error_against(truth, measured.exitance));
     }
+    if (against.model != nullptr) run["profile_error"] = profile_error(measured.exitance, against);
     add_maps(run, profile.name + "." + planned.label, measured.exitance, against);
     results_["runs"].push_back(run);
   }
@@ -301,11 +349,30 @@ class ViewRunner {
   // Below the truth's uncertainty nothing can be told from the truth; nor below the doubt about what is
   // visible, taken as the RMSE is, over the same pixels.
   void put_distinguishable(json& measured, const ViewedTruth& truth) const {
-    const double uncertainty = (truth.image.certificate.uncertainty() + visibility_bound(truth).rms) *
-                               setup_.scene.largest_irradiance;
+    put_distinguishable(measured, truth.image.certificate.uncertainty() + visibility_bound(truth).rms);
+  }
+  // `uncertainty` in units of the largest irradiance.
+  void put_distinguishable(json& measured, double uncertainty) const {
     const json rmse = measured["metrics"]["rmse"];
-    measured["distinguishable"] = rmse.is_number() ? json(rmse.get<double>() > uncertainty) : json();
+    measured["distinguishable"] =
+        rmse.is_number() ? json(rmse.get<double>() > uncertainty * setup_.scene.largest_irradiance) : json();
     if (!rmse.is_number()) measured["distinguishable_reason"] = "no pixel to measure";
+  }
+
+  // The error against the profile itself, and apart from it the method's against its Gaussians, over the
+  // same pixels: with the fit error, the first is the sum of the other two at every one.
+  json profile_error(const Image& exitance, const Comparison& against) const {
+    const TruthImage& itself = against.model->truth.normalised;
+    const Image& mask = against.model->mask;
+    json error = target_json(OwnTarget{});
+    error["truth"] = model_truth_id(name_, against.profile, true);
+    error["metrics"] = error_stats_json(exitance, itself.rgb, mask);
+    put_distinguishable(error, itself.certificate.uncertainty());
+    json convolution = {{"truth", truth_id(name_, against.profile, OwnTarget{})},
+                        {"metrics", error_stats_json(exitance, against.truths.headline().image.rgb, mask)}};
+    put_distinguishable(convolution, against.truths.headline());
+    error["convolution"] = convolution;
+    return error;
   }
 
   // The error against a truth that is not the headline.
@@ -330,7 +397,10 @@ class ViewRunner {
                     {"signed", "maps/" + stem + ".signed.png"},
                     {"exr", "maps/" + stem + ".exr"}};
     maps_.runs.push_back(
-        {stem, exitance, signed_error(exitance, against.truths.headline().image.rgb, images_.mask)});
+        {stem, exitance, signed_error(exitance, against.truths.headline().image.rgb, images_.mask), {}});
+    if (against.model != nullptr)
+      maps_.runs.back().profile_error =
+          signed_error(exitance, against.model->truth.normalised.rgb, images_.mask);
   }
 
   const Setup& setup_;
@@ -341,6 +411,7 @@ class ViewRunner {
   double median_depth_mm_;
   std::vector<PlannedTruth> planned_;
   ViewTruth truth_;
+  std::map<std::string, ProfileTruth> profile_truths_;  // by the names of the profiles that approximate them
   ContourMap contours_;
   ViewMaps maps_;
 };

@@ -151,6 +151,13 @@ Image ViewTruth::picture_of(const std::vector<double>& values) const {
   return picture;
 }
 
+Image ViewTruth::picture_of(const std::vector<Vec3d>& values) const {
+  Image picture(images_.mask.width(), images_.mask.height(), 3);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    picture.set_rgb(points_.pixels[i].x, points_.pixels[i].y, values[i]);
+  return picture;
+}
+
 // With u the mass of what is unsure and m that of what was taken for seen, light of at most 1 more or less
 // from what is unsure changes M by at most u, and M/m by at most u / (m - u), and never by more than 1.
 std::vector<double> ViewTruth::visibility_bounds(const Request& request) const {
@@ -172,16 +179,46 @@ std::vector<double> ViewTruth::visibility_bounds(const Request& request) const {
   return largest;
 }
 
+void ViewTruth::Tally::add(const LayerResult& result, const Vec3d& weight) {
+  weights += weight.cwiseAbs();
+  seconds += result.computed.seconds;
+  cached = cached && result.computed.cached;
+  const double largest = std::max(certificate.max_error, result.certificate.max_error);
+  certificate = result.certificate;
+  certificate.max_error = largest;
+  // The largest error of a layer, times this, bounds the sum's.
+  certificate.weight = std::max(1.0, weights.maxCoeff());
+}
+
+WeightedSum ViewTruth::weighted_sum(const Request& request) const {
+  WeightedSum sum;
+  sum.light.assign(points_.size(), Vec3d::Zero());
+  sum.mass.assign(points_.size(), Vec3d::Zero());
+  Tally tally;
+  for (const GaussianLevel& level : gaussian_levels(*request.profile)) {
+    const LayerResult& result =
+        layers_[index_of(kind_of(request.target), layer_of(level.variance_mm2, request.target))];
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const Vec4d& value = result.computed.values[i];
+      sum.light[i] += level.weight.cwiseProduct(value.head<3>());
+      sum.mass[i] += level.weight * value[3];
+    }
+    tally.add(result, level.weight);
+  }
+  sum.certificate = tally.certificate;
+  sum.seconds = tally.seconds;
+  sum.cached = tally.cached;
+  return sum;
+}
+
 TruthImage ViewTruth::image(const Request& request) const {
   const LayerKind kind = kind_of(request.target);
   TruthImage truth;
-  truth.rgb = Image(images_.mask.width(), images_.mask.height(), 3);
   std::vector<Vec3d> sum(points_.size());
   std::vector<double> mass(points_.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < points_.size(); ++i)
     sum[i] = request.profile->delta_weight.cwiseProduct(points_.irradiance[i]);
-  Vec3d weights = Vec3d::Zero();
-  truth.cached = true;
+  Tally tally;
   for (const GaussianLevel& level : gaussian_levels(*request.profile)) {
     const LayerResult& result = layers_[index_of(kind, layer_of(level.variance_mm2, request.target))];
     const double whole = plane_mass(result.layer);
@@ -191,18 +228,12 @@ TruthImage ViewTruth::image(const Request& request) const {
       if (divisor > 0.0) sum[i] += level.weight.cwiseProduct(value.head<3>()) / divisor;
       mass[i] = std::min(mass[i], value[3] / whole);
     }
-    weights += level.weight.cwiseAbs();
-    truth.seconds += result.computed.seconds;
-    truth.cached = truth.cached && result.computed.cached;
-    Certificate& total = truth.certificate;
-    const double largest = std::max(total.max_error, result.certificate.max_error);
-    total = result.certificate;
-    total.max_error = largest;
+    tally.add(result, level.weight);
   }
-  // The largest error of a layer, times this, bounds the sum's.
-  truth.certificate.weight = std::max(1.0, weights.maxCoeff());
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    truth.rgb.set_rgb(points_.pixels[i].x, points_.pixels[i].y, sum[i]);
+  truth.certificate = tally.certificate;
+  truth.seconds = tally.seconds;
+  truth.cached = tally.cached;
+  truth.rgb = picture_of(sum);
   truth.smallest_mass = picture_of(mass);
   if (request.target.visible_only) truth.visibility_bound = picture_of(visibility_bounds(request));
   return truth;

@@ -17,6 +17,9 @@
 
 namespace truescatter {
 
+// As a share of a plane's: pixels with less mass are counted apart.
+inline constexpr double kSmallMass = 0.5;
+
 // What a truth aims at: the headline (Euclidean, normalised, not cut), or another target.
 struct TruthImage {
   Image rgb;  // 0 off the skin
@@ -29,6 +32,15 @@ struct TruthImage {
   Certificate certificate;  // over the layers that it is made of
   double seconds = 0.0;     // that computing them took, whenever that was
   bool cached = false;      // all of them were there from an earlier run
+};
+
+// A profile's Gaussians summed, at every point of a view.
+struct WeightedSum {
+  std::vector<Vec3d> light;  // sum_i w_i M_i
+  std::vector<Vec3d> mass;   // sum_i w_i m_i, per channel
+  Certificate certificate;   // over the layers; its weight is that of this sum
+  double seconds = 0.0;      // as in TruthImage
+  bool cached = false;
 };
 
 // The convolutions behind every truth of one view: all layers that profiles and targets need, each once.
@@ -52,6 +64,12 @@ class ViewTruth {
                const GeodesicSurface* geodesic);
   // The truth image of a request that `compute` was given.
   TruthImage image(const Request& request) const;
+  // The raw sum of a request that `compute` was given, without the profile's delta.
+  WeightedSum weighted_sum(const Request& request) const;
+  // One channel: a value for each point; 0 off the skin.
+  Image picture_of(const std::vector<double>& values) const;
+  // Three channels.
+  Image picture_of(const std::vector<Vec3d>& values) const;
   // How many points were audited for which reason; the same ones for every truth.
   const AuditSample& audited() const { return sample_; }
 
@@ -65,8 +83,17 @@ class ViewTruth {
 
   using Wanted = std::vector<std::pair<LayerKind, std::vector<TruthLayer>>>;
 
+  // What a sum over layers takes from each of them.
+  struct Tally {
+    Certificate certificate;
+    Vec3d weights = Vec3d::Zero();
+    double seconds = 0.0;
+    bool cached = true;
+
+    void add(const LayerResult& result, const Vec3d& weight);
+  };
+
   Wanted wanted_layers(const std::vector<Request>& requests) const;
-  Image picture_of(const std::vector<double>& values) const;
   std::vector<double> visibility_bounds(const Request& request) const;
   TruthLayer layer_of(double variance_mm2, const OwnTarget& target) const;
   std::size_t index_of(LayerKind kind, const TruthLayer& layer) const;  // in layers_

@@ -14,11 +14,12 @@ struct Certificate {
   double tolerance = 0.0;  // what `fast` had promised
   double tail_bound = 0.0;  // light beyond the search radius, bounded
   double weight = 1.0;  // how much a sum of layers may multiply both: its largest sum of |weights|, 1 or more
+  double approximation = 0.0;  // how far the sum may be from the profile that it stands for
   double open_share = 0.0;  // with 95 % confidence, at most this share of the points is worse than max_error
 
   bool passed() const { return max_error <= tolerance; }
   // The uncertainty of every value of this truth (DESIGN section 1).
-  double uncertainty() const { return weight * (max_error + tail_bound); }
+  double uncertainty() const { return weight * (max_error + tail_bound) + approximation; }
 };
 
 // What the fast engine promised and what was drawn.

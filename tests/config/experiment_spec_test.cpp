@@ -92,6 +92,19 @@ weight = [0.5, 0.4, 0.3]
 [[profile.gaussian]]
 variance_mm2 = [1.0, 2.0, 0.1]
 weight = 0.4
+[profile.of]
+model = "multipole"
+sigma_a = [0.1, 0.2, 0.4]
+sigma_s_prime = 2.0
+eta = 1.4
+thickness_mm = 3.5
+tolerance = 1e-7
+
+[[profile]]
+name = "spike-and-base"
+[profile.of]
+model = "better-dipole"
+material = "skin2"
 
 [[method]]
 name = "pscbf"
@@ -179,7 +192,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.views[0].width_px, 320);
   EXPECT_EQ(spec.views[0].height_px, 200);
 
-  ASSERT_EQ(spec.profiles.size(), 2U);
+  ASSERT_EQ(spec.profiles.size(), 3U);
   EXPECT_EQ(spec.profiles[0].name, "skin-six-gaussian");
   EXPECT_TRUE(spec.profiles[0].builtin);
   EXPECT_EQ(spec.profiles[0].where.line, 51);
@@ -192,6 +205,23 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.profiles[1].gaussians[1].variance_mm2, Vec3d(4.0, 4.0, 4.0));
   EXPECT_EQ(spec.profiles[1].gaussians[1].weight, Vec3d(0.5, 0.4, 0.3));
 
+  EXPECT_FALSE(spec.profiles[0].of);
+  const ProfileModelSpec& slab = spec.profiles[1].of.value();
+  EXPECT_EQ(slab.model, "multipole");
+  EXPECT_EQ(slab.where.line, 64);
+  EXPECT_EQ(slab.material, "");
+  EXPECT_EQ(slab.sigma_a_per_mm, Vec3d(0.1, 0.2, 0.4));
+  EXPECT_EQ(slab.sigma_s_prime_per_mm, Vec3d(2.0, 2.0, 2.0));
+  EXPECT_EQ(slab.eta, 1.4);
+  EXPECT_EQ(slab.thickness_mm, 3.5);
+  EXPECT_EQ(slab.tolerance, 1e-7);
+  const ProfileModelSpec& skin = spec.profiles[2].of.value();
+  EXPECT_TRUE(spec.profiles[2].builtin);
+  EXPECT_EQ(skin.model, "better-dipole");
+  EXPECT_EQ(skin.material, "skin2");
+  EXPECT_EQ(skin.material_where.line, 75);
+  EXPECT_EQ(skin.tolerance, 1e-5);
+
   ASSERT_EQ(spec.methods.size(), 2U);
   EXPECT_EQ(spec.methods[0].label, "pscbf");
   EXPECT_TRUE(spec.methods[0].settings.empty());
@@ -199,7 +229,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.methods[1].label, "pscbf-7");
   EXPECT_EQ(std::get<double>(spec.methods[1].settings.at("taps")), 7.0);
   EXPECT_EQ(std::get<std::string>(spec.methods[1].settings.at("placement")), "centroid");
-  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 71);
+  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 84);
 
   EXPECT_EQ(spec.truth.tolerance, 1e-9);
   EXPECT_EQ(spec.truth.audit_points, 300);
@@ -309,6 +339,15 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
       EXPECT_EQ(a.profiles[i].gaussians[g].variance_mm2, b.profiles[i].gaussians[g].variance_mm2);
       EXPECT_EQ(a.profiles[i].gaussians[g].weight, b.profiles[i].gaussians[g].weight);
     }
+    ASSERT_EQ(a.profiles[i].of.has_value(), b.profiles[i].of.has_value());
+    if (!a.profiles[i].of) continue;
+    EXPECT_EQ(a.profiles[i].of->model, b.profiles[i].of->model);
+    EXPECT_EQ(a.profiles[i].of->material, b.profiles[i].of->material);
+    EXPECT_EQ(a.profiles[i].of->sigma_a_per_mm, b.profiles[i].of->sigma_a_per_mm);
+    EXPECT_EQ(a.profiles[i].of->sigma_s_prime_per_mm, b.profiles[i].of->sigma_s_prime_per_mm);
+    EXPECT_EQ(a.profiles[i].of->eta, b.profiles[i].of->eta);
+    EXPECT_EQ(a.profiles[i].of->thickness_mm, b.profiles[i].of->thickness_mm);
+    EXPECT_EQ(a.profiles[i].of->tolerance, b.profiles[i].of->tolerance);
   }
   ASSERT_EQ(a.methods.size(), b.methods.size());
   for (std::size_t i = 0; i < a.methods.size(); ++i) {

@@ -39,6 +39,31 @@ class TamperedSource : public LayerSource {
   Tamper tamper_;
 };
 
+// The same, where the engine that audits errs too.
+class TwiceTamperedSource : public TamperedSource {
+ public:
+  TwiceTamperedSource(std::unique_ptr<LayerSource> honest, double shift)
+      : TamperedSource(std::move(honest),
+                       [shift](std::vector<ComputedLayer>& computed) {
+                         for (ComputedLayer& layer : computed) shift_light(layer.values, shift);
+                       }),
+        shift_(shift) {}
+
+  TruthValues audit_values(std::span<const std::uint32_t> chosen,
+                           std::span<const TruthLayer> layers) const override {
+    TruthValues values = TamperedSource::audit_values(chosen, layers);
+    for (std::vector<Vec4d>& layer : values) shift_light(layer, shift_);
+    return values;
+  }
+
+ private:
+  static void shift_light(std::vector<Vec4d>& values, double shift) {
+    for (Vec4d& value : values) value[0] += shift;
+  }
+
+  double shift_;
+};
+
 // A square in even light, of which the view sees 24 x 24 points.
 constexpr const char* kExperiment = R"(
 [scene]
@@ -145,6 +170,39 @@ TEST_F(FailedAudit, OfACachedTruthComputesItAgain) {
           std::string("note: ") + what + " in the cache fails its audit; it is computed again\n";
       EXPECT_EQ(said.find(note) != std::string::npos, spoilt) << said;
     }
+  }
+}
+
+// What the audit of the Gaussians cannot see: both engines off by the same. The weights of the dipole's
+// Gaussians are positive and sum to its albedo, 0.79, so a shift of 1e-3 shifts the profile's truth by
+// 0.79e-3 of the light, which is above the 1e-4 of the tolerance and the 2e-5 of the mixture; a shift of 1e-5
+// is not.
+TEST_F(FailedAudit, OfAProfilesMixtureEndsTheRunWithThree) {
+  const std::string of =
+      "[profile.of]\nmodel = \"classical-dipole\"\nsigma_a = 0.0041\nsigma_s_prime = 2.62\neta = 1.5\n";
+  std::string experiment = kExperiment;
+  experiment.insert(experiment.find("[[method]]"), of);
+  const ExperimentSpec spec = read_experiment(folder_.write("e.toml", experiment));
+  for (const double shift : {1e-5, 1e-3}) {
+    const std::optional<Error> error = error_of([&] {
+      run_experiment(spec, out_.path(), nullptr, [&](LayerKind of_kind, std::unique_ptr<LayerSource> honest) {
+        return of_kind == LayerKind::euclidean
+                   ? std::make_unique<TwiceTamperedSource>(std::move(honest), shift)
+                   : std::move(honest);
+      });
+    });
+    ASSERT_EQ(error.has_value(), shift == 1e-3);
+    if (!error) {
+      std::filesystem::remove_all(out_.path());
+      std::filesystem::create_directory(out_.path());
+      continue;
+    }
+    EXPECT_EQ(error->exit_code(), 3);
+    EXPECT_TRUE(std::string(error->what())
+                    .starts_with("the audit of the profile of 'spike-and-base' failed: its mixture of "
+                                 "Gaussians is off by "))
+        << error->what();
+    EXPECT_EQ(out_.names(), std::vector<std::string>{});
   }
 }
 
