@@ -90,6 +90,9 @@ TEST_F(CliErrorsBeforeComputing, UnknownNames) {
   expect_refused(
       run(with(kTiny, "\"spike-and-base\"", "\"spike\"")),
       {"truescatter: e.toml:20:8: there is no built-in profile 'spike'; there are: spike-and-base, "});
+  expect_refused(run(with(kTiny, "[[method]]",
+                          "[profile.of]\nmodel = \"better-dipole\"\nmaterial = \"skin3\"\n[[method]]")),
+                 {"truescatter: e.toml:24:12: there is no material 'skin3'; there are: marble, skin1, "});
   expect_refused(run(with(kTiny, "builtin:plane", "builtin:plain")),
                  {"truescatter: e.toml:4:8: ", "\"plain\" is not a built-in scene", "plane"});
   expect_refused(

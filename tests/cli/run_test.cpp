@@ -219,6 +219,44 @@ TEST_F(CliRun, ComparingItsMapsGivesItsMetrics) {
   }
 }
 
+// A dipole whose light stays within a millimetre, so that all of the square has mass enough.
+const std::string kOfADipole = with(kTiny, "name = \"spike-and-base\"\n",
+                                    "name = \"spike-and-base\"\n[profile.of]\nmodel = \"classical-dipole\"\n"
+                                    "sigma_a = 2.0\nsigma_s_prime = 1.0\n");
+
+TEST_F(CliRun, ComparingItsMapsGivesTheErrorsAgainstTheProfileItself) {
+  const ProgramResult result = run(kOfADipole);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  const std::string itself = "out/maps/front.spike-and-base.truth.profile.exr";
+  const auto expect_metrics = [&](const std::string& picture, const std::string& truth, const Json& metrics) {
+    const Json stats = Json::parse(truescatter({"compare", picture, truth, "--json"}).out);
+    for (const char* key : {"pixels", "bias", "mae", "rmse", "p50", "p99", "max"})
+      EXPECT_EQ(stats.at(key), metrics.at(key)) << picture << " " << key;
+  };
+  const std::string fit = "out/maps/front.spike-and-base.truth.exr";
+  expect_metrics(fit, itself, results.at("fit_errors").at(0).at("metrics"));
+  EXPECT_TRUE(exists("out/" + results.at("fit_errors").at(0).at("files").at("signed").get<std::string>()));
+  for (const Json& run : results.at("runs")) {
+    const std::string picture = "out/" + run.at("files").at("exr").get<std::string>();
+    const Json& error = run.at("profile_error");
+    expect_metrics(picture, itself, error.at("metrics"));
+    expect_metrics(picture, fit, error.at("convolution").at("metrics"));
+    EXPECT_TRUE(contains(text("out/results.csv"), error.at("metrics").at("rmse").dump())) << run.at("label");
+  }
+}
+
+TEST_F(CliRun, ADryRunListsTheTruthOfTheProfileItself) {
+  const ProgramResult result = run(kOfADipole, {"--dry-run"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(
+      contains(result.out,
+               "  truth front/spike-and-base/profile-itself-normalised: classical dipole of sigma_a 2, "
+               "sigma_s' 1 1/mm, eta 1.3, "))
+      << result.out;
+  EXPECT_TRUE(contains(result.out, " at most; fit error, profile error\n")) << result.out;
+}
+
 // Everything that a run says but times and provenance.
 Json without_times(Json results) {
   results.erase("provenance");

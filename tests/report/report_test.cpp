@@ -80,6 +80,11 @@ json run(const std::string& label, double scale, int passes) {
              {"truth", "front/skin/geodesic-normalised"},
              {"distinguishable", scale > 0.001},
              {"metrics", error_metrics(scale)}}}},
+          {"profile_error",
+           {{"truth", "front/skin/profile-itself-normalised"},
+            {"distinguishable", true},
+            {"metrics", metrics(1.5 * scale)},
+            {"convolution", {{"distinguishable", scale > 0.001}, {"metrics", metrics(scale)}}}}},
           {"cost",
            {{"frame_ms", {{"median", 2.0}, {"min", 1.5}, {"max", 2.5}, {"repeats", 3}}},
             {"setup_ms", 1.0},
@@ -91,6 +96,26 @@ json run(const std::string& label, double scale, int passes) {
             {"magnitude", stem + ".abs.png"},
             {"signed", stem + ".signed.png"},
             {"exr", stem + ".exr"}}}};
+}
+
+// A profile that says what it approximates.
+json fit_error() {
+  return {{"view", "front"},
+          {"profile", "skin"},
+          {"fit", "front/skin/euclidean-normalised"},
+          {"truth", "front/skin/profile-itself-normalised"},
+          {"distinguishable", true},
+          {"metrics", metrics(0.02)},
+          {"files", {{"signed", "maps/front.skin.truth.profile.signed.png"}}}};
+}
+
+json truth_of_the_profile(const json& truth) {
+  json itself = truth;
+  itself.erase("files");
+  itself["id"] = "front/skin/profile-itself-normalised";
+  itself["of"] = {{"model", "classical-dipole"}, {"title", kHostileName}, {"albedo", {0.8, 0.5, 0.2}}};
+  itself["radial_check"] = {{"points", 32}, {"max_difference", 1e-6}, {"allowed", 1e-4}};
+  return itself;
 }
 
 json sample_results() {
@@ -114,7 +139,8 @@ json sample_results() {
         {"open_share_95", 0.2}}},
       {"files", {{"picture", "maps/front.skin.truth.png"}, {"exr", "maps/front.skin.truth.exr"}}}};
   json skipped = run("texture-space", 0.1, 1);
-  for (const char* key : {"metrics", "own_target", "extra_targets", "cost", "files", "distinguishable"})
+  for (const char* key :
+       {"metrics", "own_target", "extra_targets", "profile_error", "cost", "files", "distinguishable"})
     skipped.erase(key);
   skipped["skipped"] = "this method needs UVs, and the mesh has none";
   return {
@@ -141,7 +167,8 @@ json sample_results() {
          {"median_skin_depth_mm", 500.0},
          {"mm_per_px", 0.3},
          {"files", {{"irradiance", "maps/front.irradiance.png"}}}}}},
-      {"truths", {truth}},
+      {"truths", {truth, truth_of_the_profile(truth)}},
+      {"fit_errors", {fit_error()}},
       {"runs", {run("none", 0.1, 0), run("blur", 0.05, 2), run("perfect", 1e-6, 3), skipped}},
       {"maps", {{"range", 0.2}, {"quantity", "luminance"}, {"exposure", 1.0}}},
       {"provenance", {{"version", "0.1.0"}, {"gl_renderer", "llvmpipe"}, {"rasteriser_threads", 2}}},

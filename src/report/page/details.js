@@ -200,7 +200,8 @@ function extraTargetsCard() {
 function roleOf(truth) {
   const own = list(truth.own_target_of);
   return [
-    truth.headline && "headline", own.length > 0 && "own target of " + own.join(", "), truth.extra && "asked for"
+    truth.of && "the profile itself: " + truth.of.title, truth.headline && "headline",
+    own.length > 0 && "own target of " + own.join(", "), truth.extra && "asked for"
   ].filter(Boolean)
       .join("; ");
 }
