@@ -1,6 +1,7 @@
 #include "truth/piece_integral.h"
 
 #include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cassert>
 #include <cmath>
@@ -8,6 +9,7 @@
 
 #include "truth/edge_fast.h"
 #include "truth/exact.h"
+#include "truth/needle.h"
 
 namespace truescatter {
 namespace {
@@ -21,6 +23,10 @@ constexpr double kNoAngle = 1e-13;
 constexpr double kFarEdge = 5.7;
 constexpr double kSteep = 30.0;        // gains of irradiance that errors of 1e-7 may have
 constexpr std::size_t kMaxGroup = 16;  // layers that are integrated at once
+constexpr double kThinSlack = 1e-11;   // of a piece's size: how far beyond its rays a window is followed
+constexpr double kThin = 1e-6;         // heights in deviations: below, PieceIntegral::add_thin
+constexpr double kNeedle = 1e-2;       // and below that, convolve_needle where it applies (needle.h)
+constexpr double kNeedleCut = 1e-3;    // with a cut-off
 
 double cross(const Vec2d& a, const Vec2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 Vec2d turned_left(const Vec2d& v) { return {-v.y(), v.x()}; }
@@ -58,6 +64,18 @@ class RadialIntegrals {
   double f0_;
   double e0_;
 };
+
+// The nodes of a rule of Gauss and Legendre on [from, to]: visit(x, weight).
+template <typename Rule, typename Visit>
+void for_each_node(double from, double to, const Visit& visit) {
+  const double middle = 0.5 * (from + to);
+  const double half = 0.5 * (to - from);
+  for (std::size_t i = 0; i < Rule::abscissa().size(); ++i) {
+    const double x = Rule::abscissa()[i];
+    visit(middle + half * x, half * Rule::weights()[i]);
+    if (x > 0.0) visit(middle - half * x, half * Rule::weights()[i]);
+  }
+}
 
 // Along the ray source + rho u: where rho lies within a linear bound a + rho b <= 0.
 void clip(double a, double b, double& low, double& high) {
@@ -121,6 +139,10 @@ void PieceIntegral::add(const FlatPiece& piece, std::span<const GeodesicWindow* 
   double reach_mm = 0.0;
   for (const TruthLayer& layer : layers) reach_mm = std::max(reach_mm, kFarEdge * layer.std_dev_mm);
   exact_edges_ = accuracy_.to_rounding || steepness * reach_mm > kSteep * accuracy_.largest_irradiance;
+  height_mm_ = twice_area / std::max({e1.norm(), e2.norm(), (e2 - e1).norm()});
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    if (is_thin(layers[l])) add_thin(piece, windows, layers[l], sums[l]);
+  }
   for (const GeodesicWindow* window : windows) {
     window_ = window;
     if (!choose_layers(piece, layers)) continue;
@@ -128,7 +150,7 @@ void PieceIntegral::add(const FlatPiece& piece, std::span<const GeodesicWindow* 
     if (seen_.size < 3) continue;
     find_rivals(windows);
     if (rivals_.empty() && window->offset_mm == 0.0) {
-      add_polygon(layers, sums);
+      add_polygon(piece, layers, sums);
       continue;
     }
     for (std::size_t e = 0; e < seen_.size; ++e) {
@@ -144,7 +166,7 @@ bool PieceIntegral::choose_layers(const FlatPiece& piece, std::span<const TruthL
   layers_.clear();
   for (std::size_t l = 0; l < layers.size(); ++l) {
     const double reach = std::min(layers[l].r_max_mm, accuracy_.reach_std_devs * layers[l].std_dev_mm);
-    if (nearest < reach && window_->offset_mm < reach) layers_.push_back(l);
+    if (nearest < reach && window_->offset_mm < reach && !is_thin(layers[l])) layers_.push_back(l);
   }
   return !layers_.empty();
 }
@@ -253,9 +275,89 @@ Vec4d PieceIntegral::combine(double radial, const Vec2d& line) const {
   return sum;
 }
 
+bool PieceIntegral::is_thin(const TruthLayer& layer) const { return height_mm_ < kThin * layer.std_dev_mm; }
+
+void PieceIntegral::add_thin(const FlatPiece& piece, std::span<const GeodesicWindow* const> windows,
+                             const TruthLayer& layer, Vec4d& sum) const {
+  using Along = boost::math::quadrature::gauss<double, 15>;
+  using Across = boost::math::quadrature::gauss<double, 7>;
+  const double slack = kThinSlack * size_mm_;
+  const double reach = std::min(layer.r_max_mm, accuracy_.reach_std_devs * layer.std_dev_mm);
+  const auto distance = [&](const Vec2d& x) {
+    double shortest = kInfinity;
+    for (const GeodesicWindow* window : windows) {
+      if (window->beyond_rays(x) <= slack) shortest = std::min(shortest, window->distance(x));
+    }
+    return shortest;
+  };
+  std::size_t longest = 0;
+  const auto& x = piece.corners_mm;
+  for (std::size_t e = 1; e < 3; ++e) {
+    if ((x[(e + 1) % 3] - x[e]).norm() > (x[(longest + 1) % 3] - x[longest]).norm()) longest = e;
+  }
+  // Two parts with a right angle at the foot of the height; each from its sharp end, where rows meet.
+  const Vec2d base = x[(longest + 1) % 3] - x[longest];
+  const double share =
+      std::clamp((x[(longest + 2) % 3] - x[longest]).dot(base) / base.squaredNorm(), 0.0, 1.0);
+  const Vec3d top = Vec3d::Unit(static_cast<Eigen::Index>((longest + 2) % 3));
+  const Vec3d foot = (1.0 - share) * Vec3d::Unit(static_cast<Eigen::Index>(longest)) +
+                     share * Vec3d::Unit(static_cast<Eigen::Index>((longest + 1) % 3));
+  for (const std::size_t end : {longest, (longest + 1) % 3}) {
+    const Vec3d tip = Vec3d::Unit(static_cast<Eigen::Index>(end));
+    const double part = end == longest ? share : 1.0 - share;
+    const double twice_area_mm2 = part * 2.0 * piece.area_mm2();
+    const int panels = 1 + static_cast<int>(4.0 * part * base.norm() / layer.std_dev_mm);
+    const auto row = [&](double v, double weight_v) {
+      const Vec3d way = (1.0 - v) * foot + v * top - tip;
+      const auto place = [&](double u) -> Vec2d {
+        const Vec3d b = tip + u * way;
+        return b[0] * x[0] + b[1] * x[1] + b[2] * x[2];
+      };
+      const auto stretch = [&](double from, double to) {
+        const auto node = [&](double u, double weight_u) {
+          const double d = distance(place(u));
+          if (!(d < reach)) return;
+          const double r = d / layer.std_dev_mm;
+          const double weight = weight_u * weight_v * u * twice_area_mm2 * std::exp(-0.5 * r * r) /
+                                (2.0 * kPi * layer.std_dev_mm * layer.std_dev_mm);
+          const Vec3d b = tip + u * way;
+          for (std::size_t c = 0; c < 3; ++c)
+            sum.head<3>() += weight * b[static_cast<Eigen::Index>(c)] * piece.irradiance[c];
+          sum[3] += weight;
+        };
+        for_each_node<Along>(from, to, node);
+      };
+      for (int i = 0; i < panels; ++i) {
+        const double from = static_cast<double>(i) / panels;
+        const double to = static_cast<double>(i + 1) / panels;
+        const bool enters = distance(place(from)) < reach;
+        if (enters == (distance(place(to)) < reach)) {
+          stretch(from, to);
+          continue;
+        }
+        // The cut-off lies in between.
+        double low = from;
+        double high = to;
+        for (int k = 0; k < 50; ++k) {
+          const double middle = 0.5 * (low + high);
+          ((distance(place(middle)) < reach) == enters ? low : high) = middle;
+        }
+        enters ? stretch(from, low) : stretch(high, to);
+      }
+    };
+    for_each_node<Across>(0.0, 1.0, row);
+  }
+}
+
 // A window without rivals and without an offset: all that it sees, edge by edge.
-void PieceIntegral::add_polygon(std::span<const TruthLayer> layers, std::span<Vec4d> sums) const {
+void PieceIntegral::add_polygon(const FlatPiece& piece, std::span<const TruthLayer> layers,
+                                std::span<Vec4d> sums) const {
   for (const std::size_t l : layers_) {
+    const bool cut = layers[l].r_max_mm < kInfinity;
+    if (exact_edges_ && height_mm_ < (cut ? kNeedleCut : kNeedle) * layers[l].std_dev_mm) {
+      sums[l] += needle(piece, layers[l]);
+      continue;
+    }
     double radial = 0.0;
     Vec2d line = Vec2d::Zero();
     for (std::size_t e = 0; e < seen_.size; ++e) {
@@ -266,6 +368,28 @@ void PieceIntegral::add_polygon(std::span<const TruthLayer> layers, std::span<Ve
     }
     sums[l] += combine(radial, line);
   }
+}
+
+// What is seen of a needle, as a fan of needles about the source.
+Vec4d PieceIntegral::needle(const FlatPiece& piece, const TruthLayer& layer) const {
+  const auto& x = piece.corners_mm;
+  const double twice_area = cross(x[1] - x[0], x[2] - x[0]);
+  const auto irradiance_at = [&](const Vec2d& at) -> Vec3d {
+    Vec3d b;
+    for (std::size_t c = 0; c < 3; ++c)
+      b[static_cast<Eigen::Index>(c)] =
+          std::max(0.0, cross(x[(c + 1) % 3] - at, x[(c + 2) % 3] - at) / twice_area);
+    b /= b.sum();
+    return b[0] * piece.irradiance[0] + b[1] * piece.irradiance[1] + b[2] * piece.irradiance[2];
+  };
+  const auto corner = [&](std::size_t i) { return Vec3d(seen_[i].x(), seen_[i].y(), 0.0); };
+  std::array<Vec3d, 8> light;
+  for (std::size_t i = 0; i < seen_.size; ++i) light[i] = irradiance_at(seen_[i] + window_->source);
+  Vec4d sum = Vec4d::Zero();
+  for (std::size_t i = 1; i + 1 < seen_.size; ++i)
+    sum += convolve_needle({{corner(0), corner(i), corner(i + 1)}, {light[0], light[i], light[i + 1]}, 0},
+                           Vec3d::Zero(), layer);
+  return sum;
 }
 
 // The sectors that end on a far edge, or end before it.

@@ -38,6 +38,10 @@ FlatPolygon covered(const GeodesicWindow& window, const FlatPolygon& polygon);
 //     A = int_0^rho t f(offset + t) dt,  B = int_0^rho t^2 f(offset + t) dt,
 //   closed by erf for a Gaussian, i0 + g.x being the irradiance about the source; by adaptive Gauss-Kronrod
 //   quadrature over stretches on which the integrand is smooth.
+// - Over a needle irradiance changes so fast that both lose digits, some 1e-16 s / height. What one source of
+//   offset 0 owns of a piece thinner than s/100 is taken by convolve_needle. A piece thinner than 1e-6 s is
+//   taken whole by quadrature along it, of the least length at each node: a kink of the distance costs at
+//   most some 1e-4 height / s there, and so 1e-10.
 class PieceIntegral {
  public:
   struct Accuracy {
@@ -92,7 +96,11 @@ class PieceIntegral {
   void find_rivals(std::span<const GeodesicWindow* const> windows);
   bool may_take(const GeodesicWindow& rival, const FlatPolygon& shared) const;
   std::array<double, 2> equal_lengths(const GeodesicWindow& rival, const Vec2d& a, const Vec2d& b) const;
-  void add_polygon(std::span<const TruthLayer> layers, std::span<Vec4d> sums) const;
+  void add_polygon(const FlatPiece& piece, std::span<const TruthLayer> layers, std::span<Vec4d> sums) const;
+  bool is_thin(const TruthLayer& layer) const;
+  void add_thin(const FlatPiece& piece, std::span<const GeodesicWindow* const> windows,
+                const TruthLayer& layer, Vec4d& sum) const;
+  Vec4d needle(const FlatPiece& piece, const TruthLayer& layer) const;
   void add_far_edge(const Edge& far, std::span<const TruthLayer> layers, std::span<Vec4d> sums);
   void add_stretch(const Edge& far, double from, double to, std::span<const TruthLayer> layers,
                    std::span<Vec4d> sums);
@@ -112,6 +120,7 @@ class PieceIntegral {
   FlatPolygon seen_;                        // of the piece
   std::array<Edge, 8> edges_;               // of what is seen
   double size_mm_ = 0.0;                    // of the piece
+  double height_mm_ = 0.0;                  // its smallest
   Vec3d i0_;                                // irradiance about the source
   Vec3d gradient_x_;
   Vec3d gradient_y_;
