@@ -202,7 +202,8 @@ auto every_layer(const OneEngine& engine, const TruthProblem& problem, const Tru
   };
 }
 
-TruthValues compute_geodesic(const TruthProblem& problem, const TruthRequest& request) {
+TruthValues compute_geodesic(const TruthProblem& problem, const TruthRequest& request,
+                             const SourceLocation& mesh_file) {
   std::vector<GeodesicPiece> pieces;
   for (std::size_t i = 0; i < problem.surface.triangles.size(); ++i) {
     const SurfaceTriangle& triangle = problem.surface.triangles[i];
@@ -216,7 +217,8 @@ TruthValues compute_geodesic(const TruthProblem& problem, const TruthRequest& re
     targets.push_back(
         {{problem.places[i].triangle, problem.places[i].barycentric}, problem.points[i].component});
   }
-  const GeodesicSurface surface(IntrinsicMesh(problem.mesh.positions_mm, problem.mesh.triangles), pieces);
+  const GeodesicSurface surface(IntrinsicMesh(problem.mesh.positions_mm, problem.mesh.triangles, mesh_file),
+                                pieces);
   if (request.engine == Engine::exact) return GeodesicExactEngine(surface).convolve(targets, request.layers);
   Progress progress(
       fmt::format("geodesic truth of {} points, {} Gaussians", targets.size(), request.layers.size()),
@@ -237,8 +239,9 @@ TruthValues compute_geodesic(const TruthProblem& problem, const TruthRequest& re
       [&](std::size_t i) { return engine.convolve(targets[i], request.layers); }, progress);
 }
 
-TruthValues compute(const TruthProblem& problem, const TruthRequest& request) {
-  if (request.geodesic) return compute_geodesic(problem, request);
+TruthValues compute(const TruthProblem& problem, const TruthRequest& request,
+                    const SourceLocation& mesh_file) {
+  if (request.geodesic) return compute_geodesic(problem, request, mesh_file);
   const std::span<const SurfacePoint> points = problem.points;
   const std::span<const TruthLayer> layers = request.layers;
   Progress progress(fmt::format("truth of {} points, {} Gaussians", points.size(), layers.size()),
@@ -275,7 +278,7 @@ int truth(const TruthArguments& arguments) {
   check_out(arguments.out);
   const TruthProblem problem =
       read_truth_problem({arguments.mesh, arguments.irradiance, arguments.points, arguments.mask});
-  const TruthValues values = compute(problem, request);
+  const TruthValues values = compute(problem, request, {arguments.mesh.string()});
   write_text_file(arguments.out, request.fit.empty() ? truth_csv(request.layers, values)
                                                      : fit_truth_csv(request.fit, values));
   fmt::print("{}\n", arguments.out.string());

@@ -30,10 +30,18 @@ struct TruthProblem {
   std::vector<SurfacePoint> points;        // the same, as the Euclidean engines want them
 };
 
-// Reads and checks the files. Throws Error (input) that names file, line, value and rule: what the loaders
-// and CsvReader refuse; a face that is no triangle; a row too many or missing; irradiance that differs
-// between vertices at one position; a point on a face that is not there or not skin, or whose barycentrics
-// lie outside [0, 1] or do not sum to 1, by more than 1e-9.
+// Reads and checks the files.
+//
+// What a mesh may lack is not mended but means what it says: triangles without area add nothing; edges of
+// three triangles, opposite windings and the two sides of a sheet without thickness (the same corners in the
+// opposite order) are all surface, and add their light (geodesics refuse them: IntrinsicMesh). Vertices that
+// are close, but do not coincide, are apart.
+//
+// Throws Error (input) that names file, line, value and rule: what the loaders and CsvReader refuse; a face
+// that is no triangle; two faces of skin with the same corners in the same order, for S is a set and their
+// light would count twice; a T-junction that parts two components of skin, for light stays within one; a row
+// too many or missing; irradiance that differs between vertices at one position; a point on a face that is
+// not there or not skin, or whose barycentrics lie outside [0, 1] or do not sum to 1, by more than 1e-9.
 TruthProblem read_truth_problem(const TruthFiles& files);
 
 // OUT.csv: header point,sigma,r,g,b,mass; points in input order (from 0) and within each the layers as given;

@@ -28,7 +28,7 @@ GeodesicSurface::GeodesicSurface(IntrinsicMesh mesh, std::span<const GeodesicPie
     for (std::size_t c = 0; c < 3; ++c) {
       flat.corners_mm[c] = flat_position(mesh_, {piece.face, piece.barycentric[c]});
       flat.irradiance[c] = piece.irradiance[c];
-      largest_irradiance_ = std::max(largest_irradiance_, piece.irradiance[c].maxCoeff());
+      largest_irradiance_ = std::max(largest_irradiance_, piece.irradiance[c].cwiseAbs().maxCoeff());
     }
     flat.component = piece.component;
   }

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "core/error.h"
+#include "truth/t_junction.h"
 
 namespace truescatter {
 namespace {
@@ -26,16 +27,17 @@ int next(int j) { return j == 2 ? 0 : j + 1; }
 bool IntrinsicMesh::Vertex::bends_paths() const { return open || angle > 2.0 * kPi + kFlat; }
 
 IntrinsicMesh::IntrinsicMesh(std::span<const Vec3d> positions_mm,
-                             std::span<const std::array<int, 3>> triangles)
+                             std::span<const std::array<int, 3>> triangles, const SourceLocation& where)
     : faces_(triangles.begin(), triangles.end()), vertices_(positions_mm.size()) {
-  lay_flat(positions_mm);
-  connect();
-  refuse_t_junctions(positions_mm);
-  make_fans(positions_mm);
+  lay_flat(positions_mm, where);
+  connect(where);
+  refuse_t_junctions(positions_mm, where);
+  make_fans(positions_mm, where);
 }
 
-void IntrinsicMesh::lay_flat(std::span<const Vec3d> positions_mm) {
+void IntrinsicMesh::lay_flat(std::span<const Vec3d> positions_mm, const SourceLocation& where) {
   corners_.reserve(faces_.size());
+  edges_.reserve(faces_.size());
   angles_.reserve(faces_.size());
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     std::array<Vec3d, 3> x;
@@ -47,11 +49,16 @@ void IntrinsicMesh::lay_flat(std::span<const Vec3d> positions_mm) {
     // Unfolding turns by angles that a needle's rounding leaves without meaning.
     const double longest = std::max({length, b.norm(), (x[2] - x[1]).norm()});
     if (!(twice_area > 1e-12 * longest * longest)) {
-      throw_input_error({}, "triangle {} at {} has no area: geodesics cannot be unfolded across it", f,
+      throw_input_error(where, "triangle {} at {} has no area: geodesics cannot be unfolded across it", f,
                         text_of(x[0]));
     }
     corners_.push_back({Vec2d::Zero(), Vec2d(length, 0.0), Vec2d(a.dot(b) / length, twice_area / length)});
     lengths_.push_back({length, (x[2] - x[1]).norm(), b.norm()});
+    // From differences in space: those of corners would give a needle's short edge a direction that is off by
+    // rounding of the long ones over its length, and so would turn all that is unfolded across it.
+    const Vec3d c = x[2] - x[1];
+    edges_.push_back({Vec2d(length, 0.0), Vec2d(c.dot(a) / length, twice_area / length),
+                      Vec2d(-b.dot(a) / length, -twice_area / length)});
     std::array<double, 3> angle;
     for (std::size_t j = 0; j < 3; ++j) {
       const Vec3d u = x[(j + 1) % 3] - x[j];
@@ -62,7 +69,7 @@ void IntrinsicMesh::lay_flat(std::span<const Vec3d> positions_mm) {
   }
 }
 
-void IntrinsicMesh::connect() {
+void IntrinsicMesh::connect(const SourceLocation& where) {
   std::unordered_map<std::uint64_t, std::pair<int, int>> by_edge;
   by_edge.reserve(3 * faces_.size());
   for (std::size_t f = 0; f < faces_.size(); ++f) {
@@ -70,7 +77,7 @@ void IntrinsicMesh::connect() {
       const auto [found, fresh] =
           by_edge.try_emplace(directed_key(vertex(f, j), vertex(f, next(j))), static_cast<int>(f), j);
       if (!fresh) {
-        throw_input_error({},
+        throw_input_error(where,
                           "triangles {} and {} run along one edge in the same direction: an edge of three "
                           "triangles, or neighbours of opposite winding, leaves geodesics without one answer",
                           found->second.first, f);
@@ -87,9 +94,8 @@ void IntrinsicMesh::connect() {
       crossing.face = g;
       crossing.edge = k;
       // Corner j here is corner k + 1 there, corner j + 1 here is corner k there.
-      const Vec2d here = corner(f, next(j)) - corner(f, j);
-      const Vec2d there =
-          corner(static_cast<std::size_t>(g), k) - corner(static_cast<std::size_t>(g), next(k));
+      const Vec2d& here = edges_[f][static_cast<std::size_t>(j)];
+      const Vec2d there = -edges_[static_cast<std::size_t>(g)][static_cast<std::size_t>(k)];
       const double scale = 1.0 / (here.norm() * there.norm());
       crossing.cos = here.dot(there) * scale;
       crossing.sin = (here.x() * there.y() - here.y() * there.x()) * scale;
@@ -101,7 +107,7 @@ void IntrinsicMesh::connect() {
   }
 }
 
-void IntrinsicMesh::make_fans(std::span<const Vec3d> positions_mm) {
+void IntrinsicMesh::make_fans(std::span<const Vec3d> positions_mm, const SourceLocation& where) {
   offsets_.resize(faces_.size());
   std::vector<int> uses(vertices_.size(), 0);
   for (std::size_t f = 0; f < faces_.size(); ++f) {
@@ -133,46 +139,26 @@ void IntrinsicMesh::make_fans(std::span<const Vec3d> positions_mm) {
       if (face == v.first_face && j == v.first_corner) break;
     }
     if (count != uses[i]) {
-      throw_input_error({}, "at the vertex {} two sheets touch: geodesics have no one answer there",
+      throw_input_error(where, "at the vertex {} two sheets touch: geodesics have no one answer there",
                         text_of(positions_mm[i]));
     }
   }
 }
 
-void IntrinsicMesh::refuse_t_junctions(std::span<const Vec3d> positions_mm) const {
-  std::vector<int> open;
+void IntrinsicMesh::refuse_t_junctions(std::span<const Vec3d> positions_mm,
+                                       const SourceLocation& where) const {
+  std::vector<OpenEdge> open;
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     for (int j = 0; j < 3; ++j) {
-      if (crossing(f, j).face < 0) open.insert(open.end(), {vertex(f, j), vertex(f, next(j))});
+      if (crossing(f, j).face < 0) open.push_back({vertex(f, j), vertex(f, next(j)), f});
     }
   }
-  const auto at = [&](int v) -> const Vec3d& { return positions_mm[static_cast<std::size_t>(v)]; };
-  std::sort(open.begin(), open.end(), [&](int a, int b) { return at(a).x() < at(b).x(); });
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    for (int j = 0; j < 3; ++j) {
-      if (crossing(f, j).face >= 0) continue;
-      const Vec3d& a = at(vertex(f, j));
-      const Vec3d edge = at(vertex(f, next(j))) - a;
-      const double length = edge.norm();
-      const double slack = 1e-9 * length;
-      const double low = std::min(a.x(), a.x() + edge.x()) - slack;
-      const double high = std::max(a.x(), a.x() + edge.x()) + slack;
-      auto candidate =
-          std::lower_bound(open.begin(), open.end(), low, [&](int v, double x) { return at(v).x() < x; });
-      for (; candidate != open.end() && at(*candidate).x() <= high; ++candidate) {
-        if (*candidate == vertex(f, j) || *candidate == vertex(f, next(j))) continue;
-        const Vec3d to = at(*candidate) - a;
-        const double along = to.dot(edge) / length;
-        if (along <= slack || along >= length - slack) continue;
-        if ((to - along * edge / length).norm() > slack) continue;
-        throw_input_error(
-            {},
-            "the vertex {} lies in the middle of an open edge of triangle {} (a T-junction): whether "
-            "geodesics cross there cannot be told",
-            text_of(at(*candidate)), f);
-      }
-    }
-  }
+  const auto found = find_t_junction(positions_mm, open, [](std::size_t, std::size_t) { return true; });
+  if (!found) return;
+  throw_input_error(where,
+                    "the vertex {} lies in the middle of an open edge of triangle {} (a T-junction): whether "
+                    "geodesics cross there cannot be told",
+                    text_of(positions_mm[static_cast<std::size_t>(found->vertex)]), found->triangle_at_edge);
 }
 
 }  // namespace truescatter

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/error.h"
 #include "core/vec.h"
 
 namespace truescatter {
@@ -20,8 +21,10 @@ class IntrinsicMesh {
   // Positions are unique, as a Mesh has them. Throws Error (input) that names the triangle (by its index,
   // from 0) or the vertex that leaves geodesics without one answer: a triangle without area, an edge of three
   // triangles or more, neighbours of opposite winding, a vertex where two sheets touch, and a vertex in the
-  // middle of an open edge (a T-junction: whether a path may cross there cannot be told).
-  IntrinsicMesh(std::span<const Vec3d> positions_mm, std::span<const std::array<int, 3>> triangles);
+  // middle of an open edge (a T-junction: whether a path may cross there cannot be told). `where`: the file
+  // that the mesh is from, for these messages.
+  IntrinsicMesh(std::span<const Vec3d> positions_mm, std::span<const std::array<int, 3>> triangles,
+                const SourceLocation& where = {});
 
   std::size_t face_count() const { return corners_.size(); }
   std::size_t vertex_count() const { return vertices_.size(); }
@@ -65,14 +68,15 @@ class IntrinsicMesh {
   double fan_offset(std::size_t face, int j) const { return offsets_[face][static_cast<std::size_t>(j)]; }
 
  private:
-  void lay_flat(std::span<const Vec3d> positions_mm);
-  void connect();
-  void make_fans(std::span<const Vec3d> positions_mm);
-  void refuse_t_junctions(std::span<const Vec3d> positions_mm) const;
+  void lay_flat(std::span<const Vec3d> positions_mm, const SourceLocation& where);
+  void connect(const SourceLocation& where);
+  void make_fans(std::span<const Vec3d> positions_mm, const SourceLocation& where);
+  void refuse_t_junctions(std::span<const Vec3d> positions_mm, const SourceLocation& where) const;
 
   std::vector<std::array<int, 3>> faces_;  // vertices
   std::vector<std::array<Vec2d, 3>> corners_;
   std::vector<std::array<double, 3>> lengths_;  // of edges
+  std::vector<std::array<Vec2d, 3>> edges_;  // from corner to corner, each to its own rounding
   std::vector<std::array<Crossing, 3>> crossings_;
   std::vector<std::array<double, 3>> angles_;
   std::vector<std::array<double, 3>> offsets_;
