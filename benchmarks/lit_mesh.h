@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -46,6 +47,10 @@ struct LitMesh {
   std::vector<GeodesicTarget> geodesic(const std::vector<MeshPoint>& points) const;
   GeodesicSurface geodesic_surface() const;
 };
+
+// Cuts every triangle whose corners `cut` all accepts in four, `times` times; its neighbours are cut in two
+// or three to fit. What is left whole keeps its shape, and its number if it comes before what is cut.
+Mesh refined_where(Mesh mesh, int times, const std::function<bool(const Vec3d& position_mm)>& cut);
 
 // Moves every vertex at random by at most amplitude_mm / 2 along each axis: a rough surface, half of whose
 // vertices are saddles.
