@@ -168,11 +168,16 @@ struct LayerPlan {
 
 template <typename Scalar>
 LayerPlan<Scalar> plan_layer(const std::vector<TriangleBounds>& bounds, const RuleChooser& chooser,
-                             const TruthLayer& layer, Part part, double reach_mm, std::size_t max_nodes) {
+                             const Eigen::AlignedBox3d& points_box, const TruthLayer& layer, Part part,
+                             double reach_mm, std::size_t max_nodes) {
   LayerPlan<Scalar> plan{layer, part, reach_mm, 0.0, {}, {}, {}};
   plan.split.reserve(bounds.size());
   std::vector<double> radii_mm;
   for (const TriangleBounds& bound : bounds) {
+    if (points_box.exteriorDistance(bound.centroid_mm) > reach_mm + bound.radius_mm) {
+      plan.split.emplace_back();  // no point meets it
+      continue;
+    }
     const Split split = chooser.choose(bound.radius_mm / layer.std_dev_mm);
     plan.split.push_back(split.node_count() > max_nodes ? Split{} : split);
     radii_mm.push_back(bound.radius_mm);
@@ -423,6 +428,7 @@ struct Shared {
   const Surface& surface;
   const TriangleTree& tree;
   const std::vector<TriangleBounds>& bounds;
+  Eigen::AlignedBox3d points_box;
   double tolerance;
   bool gray;
 };
@@ -558,7 +564,8 @@ class LayerPlans {
              std::size_t max_nodes) {
     if (!plan) {
       const RuleChooser chooser(share * shared_.tolerance, beyond_std_devs);
-      plan = plan_layer<Scalar>(shared_.bounds, chooser, layer_, part, reach_mm, max_nodes);
+      plan =
+          plan_layer<Scalar>(shared_.bounds, chooser, shared_.points_box, layer_, part, reach_mm, max_nodes);
     }
     return *plan;
   }
@@ -590,9 +597,12 @@ void convolve_with(const Surface& surface, const TriangleTree& tree, double tole
                    std::span<const SurfacePoint> points, std::span<const TruthLayer> layers,
                    const std::function<void(std::size_t)>& advance, TruthValues& values) {
   std::vector<TriangleBounds> bounds;
+  bounds.reserve(surface.triangles.size());
   for (const SurfaceTriangle& t : surface.triangles)
     bounds.push_back({t.centroid_mm(), centroid_radius_mm(t), TriangleFrame(t)});
-  const Shared shared{surface, tree, bounds, tolerance, is_gray(surface)};
+  Eigen::AlignedBox3d points_box;
+  for (const SurfacePoint& point : points) points_box.extend(point.position_mm);
+  const Shared shared{surface, tree, bounds, points_box, tolerance, is_gray(surface)};
 
   std::map<int, std::vector<std::uint32_t>> by_component;
   for (std::uint32_t i = 0; i < points.size(); ++i) by_component[points[i].component].push_back(i);
