@@ -53,13 +53,6 @@ Vec4d convolve_outer_part_as(const SurfaceTriangle& triangle, const TriangleFram
                              });
 }
 
-// What must be known about each triangle, computed once.
-struct TriangleBounds {
-  Vec3d centroid_mm;
-  double radius_mm;
-  TriangleFrame frame;
-};
-
 // Quadrature nodes of a cluster, relative to its centre so that single precision does not lose digits.
 template <typename Scalar>
 struct NodeList {
@@ -593,13 +586,10 @@ void add_layer(const ComponentConvolution<Scalar>& component, LayerPlans<Scalar>
 }
 
 template <typename Scalar>
-void convolve_with(const Surface& surface, const TriangleTree& tree, double tolerance,
+void convolve_with(const Surface& surface, const TriangleTree& tree,
+                   const std::vector<TriangleBounds>& bounds, double tolerance,
                    std::span<const SurfacePoint> points, std::span<const TruthLayer> layers,
                    const std::function<void(std::size_t)>& advance, TruthValues& values) {
-  std::vector<TriangleBounds> bounds;
-  bounds.reserve(surface.triangles.size());
-  for (const SurfaceTriangle& t : surface.triangles)
-    bounds.push_back({t.centroid_mm(), centroid_radius_mm(t), TriangleFrame(t)});
   Eigen::AlignedBox3d points_box;
   for (const SurfacePoint& point : points) points_box.extend(point.position_mm);
   const Shared shared{surface, tree, bounds, points_box, tolerance, is_gray(surface)};
@@ -624,6 +614,9 @@ void convolve_with(const Surface& surface, const TriangleTree& tree, double tole
 FastEngine::FastEngine(const Surface& surface, double tolerance)
     : surface_(surface), tree_(surface), tolerance_(tolerance) {
   assert(tolerance > 0.0);
+  bounds_.reserve(surface.triangles.size());
+  for (const SurfaceTriangle& t : surface.triangles)
+    bounds_.push_back({t.centroid_mm(), centroid_radius_mm(t), TriangleFrame(t)});
 }
 
 double FastEngine::tail_bound() const { return 2.0 * (kTailShare + kGridShare) * tolerance_; }
@@ -632,9 +625,9 @@ TruthValues FastEngine::convolve(std::span<const SurfacePoint> points, std::span
                                  const std::function<void(std::size_t)>& advance) const {
   TruthValues values(layers.size(), std::vector<Vec4d>(points.size(), Vec4d::Zero()));
   if (tolerance_ >= 1e-5) {
-    convolve_with<float>(surface_, tree_, tolerance_, points, layers, advance, values);
+    convolve_with<float>(surface_, tree_, bounds_, tolerance_, points, layers, advance, values);
   } else {
-    convolve_with<double>(surface_, tree_, tolerance_, points, layers, advance, values);
+    convolve_with<double>(surface_, tree_, bounds_, tolerance_, points, layers, advance, values);
   }
   return values;
 }

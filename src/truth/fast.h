@@ -2,11 +2,20 @@
 
 #include <functional>
 #include <span>
+#include <vector>
 
+#include "truth/edge_formula.h"
 #include "truth/surface.h"
 #include "truth/triangle_tree.h"
 
 namespace truescatter {
+
+// What the engine asks about each triangle.
+struct TriangleBounds {
+  Vec3d centroid_mm;
+  double radius_mm;  // from there to the farthest corner
+  TriangleFrame frame;
+};
 
 // The engine that a run uses for every pixel: the same integrals as ExactEngine to an absolute error of
 // `tolerance` times the largest irradiance (and `tolerance` for the mass).
@@ -21,9 +30,9 @@ namespace truescatter {
 //   needs no more relative accuracy than that; or, where the grid does not pay, the sum over what lies
 //   inside.
 // - Triangles too large for quadrature, and those which the cut-off sphere crosses, take the boundary
-// formula,
-//   each edge by Gauss-Legendre quadrature where that is good to 1e-7, else in closed form.
-// - Sums run in single precision (about 1e-6) for a tolerance of 1e-5 or more, else in double.
+// formula.
+// - For a tolerance of 1e-5 or more sums run in single precision (about 1e-6) and the formula takes Owen's T
+//   from a table (about 1e-8); else all is in double precision.
 //
 // Points are clustered in space, and a cluster much smaller than the Gaussian gathers its triangles and
 // quadrature nodes once. The result is bitwise the same for any number of jobs.
@@ -46,6 +55,7 @@ class FastEngine {
  private:
   const Surface& surface_;
   TriangleTree tree_;
+  std::vector<TriangleBounds> bounds_;  // by triangle
   double tolerance_;
 };
 
