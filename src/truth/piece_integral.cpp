@@ -108,13 +108,14 @@ FlatPolygon covered(const GeodesicWindow& window, const FlatPolygon& polygon) {
       return left ? cross(window.left, d) : cross(d, window.right);
     };
     FlatPolygon kept;
+    int crossings = 0;  // of the ray: two, but for corners that lie along it to rounding
     for (std::size_t i = 0; i < rest.size; ++i) {
       const Vec2d& a = rest[i];
       const Vec2d& b = rest.after(i);
       const double at_a = over(a);
       const double at_b = over(b);
       if (at_a <= 0.0) kept.push_back(a);
-      if ((at_a < 0.0 && at_b > 0.0) || (at_a > 0.0 && at_b < 0.0))
+      if (((at_a < 0.0 && at_b > 0.0) || (at_a > 0.0 && at_b < 0.0)) && ++crossings <= 2)
         kept.push_back(a + at_a / (at_a - at_b) * (b - a));
     }
     rest = kept;
@@ -383,7 +384,7 @@ Vec4d PieceIntegral::needle(const FlatPiece& piece, const TruthLayer& layer) con
     return b[0] * piece.irradiance[0] + b[1] * piece.irradiance[1] + b[2] * piece.irradiance[2];
   };
   const auto corner = [&](std::size_t i) { return Vec3d(seen_[i].x(), seen_[i].y(), 0.0); };
-  std::array<Vec3d, 8> light;
+  std::array<Vec3d, FlatPolygon::kCapacity> light;
   for (std::size_t i = 0; i < seen_.size; ++i) light[i] = irradiance_at(seen_[i] + window_->source);
   Vec4d sum = Vec4d::Zero();
   for (std::size_t i = 1; i + 1 < seen_.size; ++i)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <span>
 #include <vector>
 
@@ -9,12 +10,18 @@
 
 namespace truescatter {
 
-// A convex polygon of few corners, counter-clockwise.
+// A convex polygon of few corners, counter-clockwise. A triangle cut by the rays of two windows has at most
+// 7; rounding may leave some of a polygon's corners on both sides of a ray that runs along them, which adds
+// at most two for each cut: 11.
 struct FlatPolygon {
-  std::array<Vec2d, 8> corners;  // a triangle cut by the rays of two windows has at most 7
+  static constexpr std::size_t kCapacity = 12;
+  std::array<Vec2d, kCapacity> corners;
   std::size_t size = 0;
 
-  void push_back(const Vec2d& corner) { corners[size++] = corner; }
+  void push_back(const Vec2d& corner) {
+    assert(size < kCapacity);
+    corners[size++] = corner;
+  }
   const Vec2d& operator[](std::size_t i) const { return corners[i]; }
   const Vec2d& after(std::size_t i) const { return corners[i + 1 == size ? 0 : i + 1]; }
 };
@@ -116,12 +123,12 @@ class PieceIntegral {
   void adaptive(const Integrand& integrand, double from, double to, int depth, std::span<Vec4d> sums) const;
 
   Accuracy accuracy_;
-  const GeodesicWindow* window_ = nullptr;  // the current one
-  FlatPolygon seen_;                        // of the piece
-  std::array<Edge, 8> edges_;               // of what is seen
-  double size_mm_ = 0.0;                    // of the piece
-  double height_mm_ = 0.0;                  // its smallest
-  Vec3d i0_;                                // irradiance about the source
+  const GeodesicWindow* window_ = nullptr;          // the current one
+  FlatPolygon seen_;                                // of the piece
+  std::array<Edge, FlatPolygon::kCapacity> edges_;  // of what is seen
+  double size_mm_ = 0.0;                            // of the piece
+  double height_mm_ = 0.0;                          // its smallest
+  Vec3d i0_;                                        // irradiance about the source
   Vec3d gradient_x_;
   Vec3d gradient_y_;
   bool exact_edges_ = true;

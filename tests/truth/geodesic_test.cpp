@@ -13,6 +13,7 @@
 #include "truth/exact.h"
 #include "truth/geodesic_exact.h"
 #include "truth/geodesic_fast.h"
+#include "truth/piece_integral.h"
 
 namespace truescatter {
 namespace {
@@ -282,6 +283,44 @@ TEST(GeodesicField, PathsFollowBoundaryEdges) {
         CgalGeodesics(positions_mm, triangles).distances_mm({4, Vec3d::UnitZ()}, std::span(&target, 1))[0];
     EXPECT_NEAR(field.distance(2, flat_position(mesh, {2, target.barycentric})), expected, 1e-10) << i;
   }
+}
+
+// Rays that run along a polygon's edges leave corners on both sides by rounding alone. However they fall, the
+// polygon stays within its capacity, and no cut enlarges it.
+TEST(FlatPolygon, StaysWithinItsCapacityWhereRaysRunAlongEdges) {
+  const auto area = [](const FlatPolygon& p) {
+    double twice = 0.0;
+    for (std::size_t i = 2; i < p.size; ++i) {
+      const Vec2d a = p[i - 1] - p[0];
+      const Vec2d b = p[i] - p[0];
+      twice += a.x() * b.y() - a.y() * b.x();
+    }
+    return 0.5 * twice;
+  };
+  std::mt19937_64 generator(29);
+  std::size_t most = 0;
+  for (int i = 0; i < 20000; ++i) {
+    FlatPolygon polygon;
+    for (const Vec2d& corner :
+         {Vec2d(0, 0), Vec2d(1, 0), Vec2d(uniform(generator), 0.1 + uniform(generator))})
+      polygon.push_back(corner);
+    for (int cut = 0; cut < 2; ++cut) {
+      // From a point on the line of one of the polygon's edges, along it; the other ray anywhere.
+      const std::size_t e = generator() % polygon.size;
+      const Vec2d along = (polygon.after(e) - polygon[e]).normalized();
+      const double turn = 0.2 + 2.0 * uniform(generator);
+      const Vec2d other(std::cos(turn) * along.x() - std::sin(turn) * along.y(),
+                        std::sin(turn) * along.x() + std::cos(turn) * along.y());
+      const GeodesicWindow window{polygon[e] - 3.0 * uniform(generator) * along, 0.0, other, along, false};
+      const double before = area(polygon);
+      polygon = covered(window, polygon);
+      most = std::max(most, polygon.size);
+      ASSERT_LE(polygon.size, FlatPolygon::kCapacity);
+      ASSERT_LE(area(polygon), before + 1e-14);
+      if (polygon.size < 3) break;
+    }
+  }
+  EXPECT_GE(most, 4U);
 }
 
 // What cannot be unfolded is refused by name.
