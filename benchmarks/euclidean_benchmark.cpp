@@ -152,8 +152,8 @@ void monte_carlo(benchmark::State& state) {
 BENCHMARK(fast_engine)
     ->ArgNames({"s", "edge", "points", "jobs"})
     ->ArgsProduct({{8, 22, 43, 75, 141, 272}, {200}, {100000}, {0}})  // against s
-    ->ArgsProduct({{100, 200, 400}, {70}, {100000}, {0}})             // s doubles on a dense mesh
-    ->ArgsProduct({{141}, {400, 100, 70}, {100000}, {0}})             // against the mesh
+    ->ArgsProduct({{100, 200, 400}, {150}, {100000}, {0}})            // s doubles on a dense mesh
+    ->ArgsProduct({{141}, {150, 300, 600}, {100000}, {0}})            // against the mesh
     ->ArgsProduct({{141}, {200}, {1000, 10000, 1000000}, {0}})        // against the points
     ->ArgsProduct({{141}, {200}, {100000}, {1, 2}})                   // against the jobs
     ->Unit(benchmark::kMillisecond)
