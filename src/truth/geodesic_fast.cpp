@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include "core/parallel.h"
 #include "truth/piece_integral.h"
@@ -188,8 +189,7 @@ class TargetConvolution {
   bool choose_windows(const Vec2d& centroid, double radius) {
     chosen_.clear();
     arrivals_.clear();
-    const Arrival* best = nullptr;  // of those that cover the whole circle
-    std::size_t best_index = windows_.size();
+    std::optional<std::size_t> covering;  // the shortest of those that cover the whole circle
     for (const GeodesicWindow* window : windows_) {
       const double beyond = window->beyond_rays(centroid);
       if (beyond > radius) continue;
@@ -198,11 +198,10 @@ class TargetConvolution {
       const double length = window->offset_mm + rho;
       if (length - radius > reach_mm_) continue;
       const bool covers = beyond <= -radius || window->all_round;
-      if (covers && (best_index == windows_.size() || length < arrivals_[best_index].length_mm))
-        best_index = arrivals_.size();
+      if (covers && (!covering || length < arrivals_[*covering].length_mm)) covering = arrivals_.size();
       arrivals_.push_back({window, length, rho, rho > 0.0 ? Vec2d(along / rho) : along});
     }
-    if (best_index < arrivals_.size()) best = &arrivals_[best_index];
+    const Arrival* best = covering ? &arrivals_[*covering] : nullptr;
     for (const Arrival& arrival : arrivals_) {
       if (best != nullptr && &arrival != best) {
         const double room = std::min(arrival.rho_mm, best->rho_mm) - radius;

@@ -12,8 +12,9 @@ double FlatPiece::area_mm2() const {
 }
 
 double FlatPiece::radius_mm() const {
+  const Vec2d centroid = centroid_mm();
   double radius = 0.0;
-  for (const Vec2d& corner : corners_mm) radius = std::max(radius, (corner - centroid_mm()).norm());
+  for (const Vec2d& corner : corners_mm) radius = std::max(radius, (corner - centroid).norm());
   return radius;
 }
 

@@ -144,9 +144,11 @@ void PieceIntegral::add(const FlatPiece& piece, std::span<const GeodesicWindow* 
   for (std::size_t l = 0; l < layers.size(); ++l) {
     if (is_thin(layers[l])) add_thin(piece, windows, layers[l], sums[l]);
   }
+  const Vec2d centroid = piece.centroid_mm();
+  const double radius_mm = piece.radius_mm();
   for (const GeodesicWindow* window : windows) {
     window_ = window;
-    if (!choose_layers(piece, layers)) continue;
+    if (!choose_layers(window->distance(centroid) - radius_mm, layers)) continue;
     take_window(piece);
     if (seen_.size < 3) continue;
     find_rivals(windows);
@@ -162,12 +164,12 @@ void PieceIntegral::add(const FlatPiece& piece, std::span<const GeodesicWindow* 
   }
 }
 
-bool PieceIntegral::choose_layers(const FlatPiece& piece, std::span<const TruthLayer> layers) {
-  const double nearest = window_->distance(piece.centroid_mm()) - piece.radius_mm();
+// Those that reach the piece, to which the current window's paths are no shorter than `nearest_mm`.
+bool PieceIntegral::choose_layers(double nearest_mm, std::span<const TruthLayer> layers) {
   layers_.clear();
   for (std::size_t l = 0; l < layers.size(); ++l) {
     const double reach = std::min(layers[l].r_max_mm, accuracy_.reach_std_devs * layers[l].std_dev_mm);
-    if (nearest < reach && window_->offset_mm < reach && !is_thin(layers[l])) layers_.push_back(l);
+    if (nearest_mm < reach && window_->offset_mm < reach && !is_thin(layers[l])) layers_.push_back(l);
   }
   return !layers_.empty();
 }

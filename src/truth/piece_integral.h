@@ -99,7 +99,7 @@ class PieceIntegral {
   };
 
   void take_window(const FlatPiece& piece);
-  bool choose_layers(const FlatPiece& piece, std::span<const TruthLayer> layers);
+  bool choose_layers(double nearest_mm, std::span<const TruthLayer> layers);
   void find_rivals(std::span<const GeodesicWindow* const> windows);
   bool may_take(const GeodesicWindow& rival, const FlatPolygon& shared) const;
   std::array<double, 2> equal_lengths(const GeodesicWindow& rival, const Vec2d& a, const Vec2d& b) const;
