@@ -152,26 +152,30 @@ void cgal_on_a_patch(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(all.size()));
 }
 
-std::vector<GeodesicTarget> close_up(std::size_t count) {
-  return head().geodesic(head().sample(count, 2, [](const Vec3d& x) { return x.z() > 75.0; }));
+std::vector<GeodesicTarget> close_up(const LitMesh& scene, std::size_t count) {
+  return scene.geodesic(scene.sample(count, 2, [](const Vec3d& x) { return x.z() > 75.0; }));
 }
 
 TruthLayer layer_of(const benchmark::State& state) { return {static_cast<double>(state.range(0)) / 100.0}; }
 
-void geodesic_fast_engine(benchmark::State& state) {
-  const GeodesicSurface surface = head().geodesic_surface();
+// Compares the fast engine with the exact one at `audited` points, then times it at 2000.
+void time_fast_engine(benchmark::State& state, const LitMesh& scene, std::size_t audited) {
+  const GeodesicSurface surface = scene.geodesic_surface();
   const TruthLayer layer = layer_of(state);
   const GeodesicFastEngine engine(surface, kTolerance);
-  const std::vector<GeodesicTarget> some = close_up(32);
+  const std::vector<GeodesicTarget> some = close_up(scene, audited);
   const double error = largest_difference(engine.convolve(some, std::span(&layer, 1)),
                                           GeodesicExactEngine(surface).convolve(some, std::span(&layer, 1)),
                                           surface.largest_irradiance());
   if (error > kTolerance) wrong_result("the fast geodesic engine", error, kTolerance);
-  const std::vector<GeodesicTarget> targets = close_up(2000);
+  const std::vector<GeodesicTarget> targets = close_up(scene, 2000);
   for (auto _ : state) benchmark::DoNotOptimize(engine.convolve(targets, std::span(&layer, 1)));
   state.counters["error"] = error;
+  state.counters["triangles"] = static_cast<double>(scene.surface.triangles.size());
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(targets.size()));
 }
+
+void geodesic_fast_engine(benchmark::State& state) { time_fast_engine(state, head(), 32); }
 
 // As its Euclidean counterpart.
 void geodesic_fast_engine_refined_far_away(benchmark::State& state) {
@@ -181,28 +185,13 @@ void geodesic_fast_engine_refined_far_away(benchmark::State& state) {
       refined_where(make_builtin("head", {{"edge_mm", 2.0}}), static_cast<int>(state.range(1)),
                     [](const Vec3d& x) { return x.z() < 35.0; }),
       1);
-  const LitMesh& scene = known->second;
-  const GeodesicSurface surface = scene.geodesic_surface();
-  const TruthLayer layer = layer_of(state);
-  const GeodesicFastEngine engine(surface, kTolerance);
-  const auto targets = [&](std::size_t count) {
-    return scene.geodesic(scene.sample(count, 2, [](const Vec3d& x) { return x.z() > 75.0; }));
-  };
-  const std::vector<GeodesicTarget> some = targets(16);
-  const double error = largest_difference(engine.convolve(some, std::span(&layer, 1)),
-                                          GeodesicExactEngine(surface).convolve(some, std::span(&layer, 1)),
-                                          surface.largest_irradiance());
-  if (error > kTolerance) wrong_result("the fast geodesic engine", error, kTolerance);
-  const std::vector<GeodesicTarget> all = targets(2000);
-  for (auto _ : state) benchmark::DoNotOptimize(engine.convolve(all, std::span(&layer, 1)));
-  state.counters["triangles"] = static_cast<double>(scene.surface.triangles.size());
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(all.size()));
+  time_fast_engine(state, known->second, 16);
 }
 
 void geodesic_exact_engine(benchmark::State& state) {
   const GeodesicSurface surface = head().geodesic_surface();
   const TruthLayer layer = layer_of(state);
-  const std::vector<GeodesicTarget> targets = close_up(32);
+  const std::vector<GeodesicTarget> targets = close_up(head(), 32);
   for (auto _ : state)
     benchmark::DoNotOptimize(GeodesicExactEngine(surface).convolve(targets, std::span(&layer, 1)));
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(targets.size()));

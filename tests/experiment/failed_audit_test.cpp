@@ -5,6 +5,7 @@
 #include "config/experiment_spec.h"
 #include "experiment/run_experiment.h"
 #include "support/error_of.h"
+#include "support/plane_experiment.h"
 #include "support/temp_dir.h"
 
 namespace truescatter::test {
@@ -64,21 +65,7 @@ class TwiceTamperedSource : public TamperedSource {
   double shift_;
 };
 
-// A square in even light, of which the view sees 24 x 24 points.
-constexpr const char* kExperiment = R"(
-[scene]
-mesh = "builtin:plane"
-[scene.parameters]
-size_mm = 20.0
-edge_mm = 5.0
-[[light]]
-direction = [0.0, 0.5, 1.0]
-[[view]]
-name = "front"
-eye_mm = [0.0, 0.0, 100.0]
-fov_deg = 10.0
-width_px = 24
-height_px = 24
+const std::string kExperiment = kPlane + R"(
 [[profile]]
 name = "spike-and-base"
 [[method]]

@@ -10,6 +10,7 @@
 #include "experiment/plan.h"
 #include "experiment/run_experiment.h"
 #include "support/error_of.h"
+#include "support/plane_experiment.h"
 #include "support/temp_dir.h"
 
 namespace truescatter::test {
@@ -47,23 +48,6 @@ audit_points = 256
 [timing]
 warm_up = 0
 repeats = 1
-)";
-
-// 24 x 24 pixels of a square that is seen from the front.
-constexpr const char* kPlane = R"(
-[scene]
-mesh = "builtin:plane"
-[scene.parameters]
-size_mm = 20.0
-edge_mm = 5.0
-[[light]]
-direction = [0.0, 0.5, 1.0]
-[[view]]
-name = "front"
-eye_mm = [0.0, 0.0, 100.0]
-fov_deg = 10.0
-width_px = 24
-height_px = 24
 )";
 
 // Two cards, one before the other, whose shadow falls on the other: silhouettes, borders and a shadow edge.

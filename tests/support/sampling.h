@@ -3,12 +3,32 @@
 #include <random>
 
 #include "irradiance/mesh_point.h"
+#include "truth/surface.h"
 
 namespace truescatter::test {
 
 // In [0, 1), the same on every platform.
 inline double uniform(std::mt19937_64& generator) {
   return static_cast<double>(generator() >> 11U) * 0x1.0p-53;
+}
+
+inline double uniform(std::mt19937_64& generator, double low, double high) {
+  return low + (high - low) * uniform(generator);
+}
+
+// In the cube [-size, size)^3.
+inline Vec3d random_vec(std::mt19937_64& generator, double size) {
+  return {uniform(generator, -size, size), uniform(generator, -size, size), uniform(generator, -size, size)};
+}
+
+// Corners in that cube, irradiance in [0, 1).
+inline SurfaceTriangle random_triangle(std::mt19937_64& generator, double size) {
+  SurfaceTriangle triangle;
+  for (std::size_t c = 0; c < 3; ++c) {
+    triangle.corners_mm[c] = random_vec(generator, size);
+    triangle.irradiance[c] = random_vec(generator, 1.0).cwiseAbs();
+  }
+  return triangle;
 }
 
 inline Vec3d random_barycentric(std::mt19937_64& generator) {

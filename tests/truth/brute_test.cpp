@@ -5,18 +5,14 @@
 #include <cmath>
 #include <random>
 
+#include "support/sampling.h"
 #include "truth/exact.h"
 
 namespace truescatter {
 namespace {
 
-double uniform(std::mt19937_64& generator, double low, double high) {
-  return low + (high - low) * static_cast<double>(generator() >> 11U) * 0x1.0p-53;
-}
-
-Vec3d random_vec(std::mt19937_64& generator, double size) {
-  return {uniform(generator, -size, size), uniform(generator, -size, size), uniform(generator, -size, size)};
-}
+using test::random_vec;
+using test::uniform;
 
 Surface random_soup(std::mt19937_64& generator, int count, double size) {
   Surface surface;

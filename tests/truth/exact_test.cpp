@@ -6,25 +6,14 @@
 #include <cmath>
 #include <random>
 
+#include "support/sampling.h"
+
 namespace truescatter {
 namespace {
 
-double uniform(std::mt19937_64& generator, double low, double high) {
-  return low + (high - low) * static_cast<double>(generator() >> 11U) * 0x1.0p-53;
-}
-
-Vec3d random_vec(std::mt19937_64& generator, double size) {
-  return {uniform(generator, -size, size), uniform(generator, -size, size), uniform(generator, -size, size)};
-}
-
-SurfaceTriangle random_triangle(std::mt19937_64& generator, double size) {
-  SurfaceTriangle triangle;
-  for (std::size_t c = 0; c < 3; ++c) {
-    triangle.corners_mm[c] = random_vec(generator, size);
-    triangle.irradiance[c] = random_vec(generator, 1.0).cwiseAbs();
-  }
-  return triangle;
-}
+using test::random_triangle;
+using test::random_vec;
+using test::uniform;
 
 // Gauss-Legendre nodes on [0, 1] by Newton's method on the Legendre polynomial: independent of all code under
 // test.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "support/sampling.h"
 #include "truth/brute.h"
 #include "truth/exact.h"
 #include "truth/fast.h"
@@ -12,13 +13,8 @@
 namespace truescatter {
 namespace {
 
-double uniform(std::mt19937_64& generator, double low, double high) {
-  return low + (high - low) * static_cast<double>(generator() >> 11U) * 0x1.0p-53;
-}
-
-Vec3d random_vec(std::mt19937_64& generator, double size) {
-  return {uniform(generator, -size, size), uniform(generator, -size, size), uniform(generator, -size, size)};
-}
+using test::random_vec;
+using test::uniform;
 
 // A triangle of this height over its longest edge, somewhere in space.
 SurfaceTriangle random_needle(std::mt19937_64& generator, double length, double height) {

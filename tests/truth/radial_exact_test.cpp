@@ -8,27 +8,15 @@
 
 #include "profile/gaussian_mixture.h"
 #include "profile/image_sources.h"
+#include "support/sampling.h"
 #include "truth/exact.h"
 
 namespace truescatter {
 namespace {
 
-double uniform(std::mt19937_64& generator, double low, double high) {
-  return low + (high - low) * static_cast<double>(generator() >> 11U) * 0x1.0p-53;
-}
-
-Vec3d random_vec(std::mt19937_64& generator, double size) {
-  return {uniform(generator, -size, size), uniform(generator, -size, size), uniform(generator, -size, size)};
-}
-
-SurfaceTriangle random_triangle(std::mt19937_64& generator, double size) {
-  SurfaceTriangle triangle;
-  for (std::size_t c = 0; c < 3; ++c) {
-    triangle.corners_mm[c] = random_vec(generator, size);
-    triangle.irradiance[c] = random_vec(generator, 1.0).cwiseAbs();
-  }
-  return triangle;
-}
+using test::random_triangle;
+using test::random_vec;
+using test::uniform;
 
 Vec3d point_on(const SurfaceTriangle& triangle, Vec3d b) {
   b /= b.sum();
