@@ -19,6 +19,9 @@ constexpr int kMaxDepth = 44;
 constexpr double kTouch = 1e-12;   // of a piece's size, squared
 constexpr double kNoEdge = 1e-14;  // of a piece's size
 constexpr double kNoAngle = 1e-13;
+// Of the coordinates' extent: a difference of coordinates and a cross product with a unit vector round by
+// some 6 units of 1.1e-16 of it, a corner that an earlier cut computed by as much again.
+constexpr double kOnRay = 2e-15;
 // Beyond, an edge adds less than exp(-5.7^2 / 2) = 1e-7.
 constexpr double kFarEdge = 5.7;
 constexpr double kSteep = 30.0;        // gains of irradiance that errors of 1e-7 may have
@@ -102,20 +105,25 @@ double along_ray(double rho, const TruthLayer& layer) {
 FlatPolygon covered(const GeodesicWindow& window, const FlatPolygon& polygon) {
   if (window.all_round) return polygon;
   FlatPolygon rest = polygon;
+  // A corner on a ray has a side by rounding alone, and corners along the ray would cross it to and fro.
+  double extent_mm = window.source.lpNorm<Eigen::Infinity>();
+  for (std::size_t i = 0; i < polygon.size; ++i)
+    extent_mm = std::max(extent_mm, polygon[i].lpNorm<Eigen::Infinity>());
+  const double on_ray_mm = kOnRay * extent_mm;
   for (const bool left : {true, false}) {
     const auto over = [&](const Vec2d& x) {
       const Vec2d d = x - window.source;
-      return left ? cross(window.left, d) : cross(d, window.right);
+      const double side = left ? cross(window.left, d) : cross(d, window.right);
+      return std::abs(side) <= on_ray_mm ? 0.0 : side;
     };
     FlatPolygon kept;
-    int crossings = 0;  // of the ray: two, but for corners that lie along it to rounding
     for (std::size_t i = 0; i < rest.size; ++i) {
       const Vec2d& a = rest[i];
       const Vec2d& b = rest.after(i);
       const double at_a = over(a);
       const double at_b = over(b);
       if (at_a <= 0.0) kept.push_back(a);
-      if (((at_a < 0.0 && at_b > 0.0) || (at_a > 0.0 && at_b < 0.0)) && ++crossings <= 2)
+      if ((at_a < 0.0 && at_b > 0.0) || (at_a > 0.0 && at_b < 0.0))
         kept.push_back(a + at_a / (at_a - at_b) * (b - a));
     }
     rest = kept;

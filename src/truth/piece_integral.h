@@ -11,8 +11,7 @@
 namespace truescatter {
 
 // A convex polygon of few corners, counter-clockwise. A triangle cut by the rays of two windows has at most
-// 7; rounding may leave some of a polygon's corners on both sides of a ray that runs along them, which adds
-// at most two for each cut: 11.
+// 7; the rest is for corners that no computed side tells apart.
 struct FlatPolygon {
   static constexpr std::size_t kCapacity = 12;
   std::array<Vec2d, kCapacity> corners;

@@ -323,6 +323,30 @@ TEST(FlatPolygon, StaysWithinItsCapacityWhereRaysRunAlongEdges) {
   EXPECT_GE(most, 4U);
 }
 
+// A polygon with corners along its edges, which an earlier cut leaves, cut by a ray along any of them: all of
+// it lies to one side. Coordinates are O(10), so sides round by 1e-14 and areas by as much.
+TEST(FlatPolygon, LosesNothingToARayAlongItsCorners) {
+  std::mt19937_64 generator(31);
+  for (int i = 0; i < 20000; ++i) {
+    const Vec2d from(10.0 * uniform(generator), 10.0 * uniform(generator));
+    const double angle = 2.0 * kPi * uniform(generator);
+    const Vec2d along(std::cos(angle), std::sin(angle));
+    const Vec2d inward(along.y(), -along.x());
+    FlatPolygon polygon;  // a right triangle on the ray, with corners at a third and two thirds of its side
+    polygon.push_back(from + inward);
+    for (const double t : {3.0, 2.0, 1.0, 0.0}) polygon.push_back(from + t * along);
+    const GeodesicWindow window{from - 5.0 * uniform(generator) * along, 0.0, along, inward, false};
+    const FlatPolygon rest = covered(window, polygon);
+    double twice_area = 0.0;
+    for (std::size_t k = 2; k < rest.size; ++k) {
+      const Vec2d a = rest[k - 1] - rest[0];
+      const Vec2d b = rest[k] - rest[0];
+      twice_area += a.x() * b.y() - a.y() * b.x();
+    }
+    ASSERT_NEAR(std::abs(twice_area), 3.0, 1e-13) << rest.size;
+  }
+}
+
 // What cannot be unfolded is refused by name.
 TEST(IntrinsicMesh, RefusesWhatHasNoOneAnswer) {
   const auto message = [](const Soup& soup) -> std::string {
