@@ -14,17 +14,15 @@ namespace {
 // and nodes may err by 0.6 tolerance.
 constexpr double kTailShare = 0.1;
 constexpr double kQuadratureShare = 0.6;
-constexpr int kMaxParts = 400;
 
-// The cheapest split of any number of parts.
-Split split_for(const RuleChooser& chooser, double radius_in_std_devs) {
-  for (int factor = 1; factor <= kMaxParts; ++factor) {
-    Split split = chooser.choose(radius_in_std_devs / factor);
-    if (split.rule == nullptr) continue;
-    split.parts *= factor;
-    return split;
-  }
-  return {};
+// The rule of degree 5 with 7 nodes on as few parts as the budget allows.
+Split split_for(const HermiteMoments& moments, double budget, double radius_in_std_devs) {
+  const std::span<const TriangleRule> rules = triangle_rules();
+  const auto rule =
+      std::find_if(rules.begin(), rules.end(), [](const TriangleRule& r) { return r.degree == 5; });
+  Split split{&*rule, 1};
+  while (gaussian_error(*rule, moments, radius_in_std_devs / split.parts) > budget) ++split.parts;
+  return split;
 }
 
 struct Node {
@@ -38,11 +36,12 @@ SimdBruteForce::SimdBruteForce(const Surface& surface, double tolerance, double 
     : std_dev_mm_(std_dev_mm),
       cut_off_mm_(std::sqrt(-2.0 * std::log(kTailShare * tolerance)) * std_dev_mm),
       cell_mm_(cut_off_mm_ / 3.0) {
-  const RuleChooser chooser(kQuadratureShare * tolerance);
+  const HermiteMoments moments(0.0);
   std::vector<Node> nodes;
   Eigen::AlignedBox3d box;
   for (const SurfaceTriangle& triangle : surface.triangles) {
-    const Split split = split_for(chooser, centroid_radius_mm(triangle) / std_dev_mm);
+    const Split split =
+        split_for(moments, kQuadratureShare * tolerance, centroid_radius_mm(triangle) / std_dev_mm);
     for_each_node(
         triangle, split, [](const Vec3d&, double) { return true; },
         [&](const Vec3d& position, const Vec3d& irradiance, double area) {

@@ -6,10 +6,10 @@
 
 namespace truescatter::benchmarks {
 
-// The plain way to convolve fast: every triangle is replaced by the quadrature nodes that the tolerance asks
-// for (the rules and the budget of FastEngine, so that errors are equal), nodes are sorted into cells a third
-// of the cut-off wide, and a point adds up, eight nodes at a time in single precision, all nodes of the cells
-// within the cut-off. One component.
+// The plain way to convolve fast: every triangle is split evenly into as few parts as the tolerance allows
+// (by FastEngine's bound and budget, so that errors are equal) and each part replaced by the seven nodes of
+// one rule; nodes are sorted into cells a third of the cut-off wide, and a point adds up, eight nodes at a
+// time in single precision, all nodes of the cells within the cut-off. One component.
 class SimdBruteForce {
  public:
   SimdBruteForce(const Surface& surface, double tolerance, double std_dev_mm);

@@ -4,18 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "truth/edge_formula.h"
-#include "truth/surface.h"
+#include "truth/layer_plan.h"
 #include "truth/triangle_tree.h"
 
 namespace truescatter {
-
-// What the engine asks about each triangle.
-struct TriangleBounds {
-  Vec3d centroid_mm;
-  double radius_mm;  // from there to the farthest corner
-  TriangleFrame frame;
-};
 
 // The engine that a run uses for every pixel: the same integrals as ExactEngine to an absolute error of
 // `tolerance` times the largest irradiance (and `tolerance` for the mass).
@@ -29,13 +21,12 @@ struct TriangleBounds {
 // - A cut-off at r_max is the uncut sum by way of the grid less what lies beyond r_max, which is little and
 //   needs no more relative accuracy than that; or, where the grid does not pay, the sum over what lies
 //   inside.
-// - Triangles too large for quadrature, and those which the cut-off sphere crosses, take the boundary
-// formula.
+// - Triangles too large for quadrature, and those which the cut-off sphere crosses, take the boundary formula.
 // - For a tolerance of 1e-5 or more sums run in single precision (about 1e-6) and the formula takes Owen's T
 //   from a table (about 1e-8); else all is in double precision.
 //
-// Points are clustered in space, and a cluster much smaller than the Gaussian gathers its triangles and
-// quadrature nodes once. The result is bitwise the same for any number of jobs.
+// Neighbouring points share their search for triangles and the nodes (add_cluster_sums). The result is
+// bitwise the same for any number of jobs.
 class FastEngine {
  public:
   FastEngine(const Surface& surface, double tolerance);

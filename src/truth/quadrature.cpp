@@ -4,9 +4,6 @@
 #include <limits>
 
 namespace truescatter {
-namespace {
-constexpr int kMaxSplit = 4;  // a triangle is split into at most 16 before the closed form is cheaper
-}
 
 double centroid_radius_mm(const SurfaceTriangle& triangle) {
   const Vec3d centroid = triangle.centroid_mm();
@@ -15,8 +12,9 @@ double centroid_radius_mm(const SurfaceTriangle& triangle) {
   return radius;
 }
 
-RuleChooser::RuleChooser(double budget, double beyond_std_devs) {
-  const HermiteMoments moments(beyond_std_devs);
+RuleChooser::RuleChooser(double budget, double beyond_std_devs, int max_parts) : max_parts_(max_parts) {
+  static const HermiteMoments everywhere(0.0);  // what most ask for
+  const HermiteMoments moments = beyond_std_devs > 0.0 ? HermiteMoments(beyond_std_devs) : everywhere;
   for (const TriangleRule& rule : triangle_rules()) {
     double low = 0.0;
     double high = 3.0;  // beyond, the Taylor series is not looked at
@@ -34,7 +32,7 @@ Split RuleChooser::choose(double radius_in_std_devs) const {
   const std::span<const TriangleRule> rules = triangle_rules();
   for (std::size_t r = 0; r < rules.size(); ++r) {
     const double parts = std::ceil(std::max(1.0, radius_in_std_devs / limits_[r]));
-    if (parts > kMaxSplit) continue;
+    if (parts > max_parts_) continue;
     const Split split{&rules[r], static_cast<int>(parts)};
     if (split.node_count() < best_nodes) {
       best = split;

@@ -18,6 +18,7 @@ struct Split {
   std::size_t node_count() const {
     return rule == nullptr ? 0 : rule->nodes.size() * static_cast<std::size_t>(parts * parts);
   }
+  bool operator==(const Split&) const = default;
 };
 
 // Farthest corner from the centroid.
@@ -26,8 +27,9 @@ double centroid_radius_mm(const SurfaceTriangle& triangle);
 // Chooses the split with the fewest nodes whose error (gaussian_error) stays within a budget.
 class RuleChooser {
  public:
-  // For triangles beyond a distance from the point; 0: wherever they lie.
-  explicit RuleChooser(double budget, double beyond_std_devs = 0.0);
+  // For triangles beyond a distance from the point; 0: wherever they lie. A triangle that wants more than
+  // `max_parts` per edge takes no rule.
+  explicit RuleChooser(double budget, double beyond_std_devs = 0.0, int max_parts = 4);
 
   // For a triangle whose corners lie within `radius_in_std_devs` of its centroid.
   Split choose(double radius_in_std_devs) const;
@@ -38,6 +40,7 @@ class RuleChooser {
 
  private:
   std::vector<double> limits_;  // for each rule, the largest x
+  int max_parts_;
 };
 
 // Calls visit(position_mm, irradiance, area_mm2) for each node of each part of the split triangle; parts that

@@ -55,24 +55,7 @@ void TriangleTree::build(std::uint32_t node, std::uint32_t begin, std::uint32_t 
 void TriangleTree::find(const Vec3d& center_mm, double radius_mm, int component,
                         std::vector<std::uint32_t>& found) const {
   found.clear();
-  if (order_.empty()) return;
-  const double radius2 = radius_mm * radius_mm;
-  std::vector<std::uint32_t> stack = {0};
-  while (!stack.empty()) {
-    const Node& node = nodes_[stack.back()];
-    stack.pop_back();
-    if (node.box.squaredExteriorDistance(center_mm) > radius2) continue;
-    if (node.count == 0) {
-      stack.push_back(node.first);
-      stack.push_back(node.first + 1);
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const std::uint32_t triangle = order_[i];
-      if (components_[triangle] != component) continue;
-      if (boxes_[triangle].squaredExteriorDistance(center_mm) <= radius2) found.push_back(triangle);
-    }
-  }
+  for_each(center_mm, radius_mm, component, [&](std::uint32_t triangle) { found.push_back(triangle); });
   std::sort(found.begin(), found.end());
 }
 

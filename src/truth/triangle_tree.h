@@ -16,6 +16,29 @@ class TriangleTree {
   // `center_mm`. Appends nothing twice. `found` is cleared first.
   void find(const Vec3d& center_mm, double radius_mm, int component, std::vector<std::uint32_t>& found) const;
 
+  // Calls visit(index) for each of them, in no order.
+  template <typename Visit>
+  void for_each(const Vec3d& center_mm, double radius_mm, int component, const Visit& visit) const {
+    if (order_.empty()) return;
+    const double radius2 = radius_mm * radius_mm;
+    std::vector<std::uint32_t> stack = {0};
+    while (!stack.empty()) {
+      const Node& node = nodes_[stack.back()];
+      stack.pop_back();
+      if (node.box.squaredExteriorDistance(center_mm) > radius2) continue;
+      if (node.count == 0) {
+        stack.push_back(node.first);
+        stack.push_back(node.first + 1);
+        continue;
+      }
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        const std::uint32_t triangle = order_[i];
+        if (components_[triangle] != component) continue;
+        if (boxes_[triangle].squaredExteriorDistance(center_mm) <= radius2) visit(triangle);
+      }
+    }
+  }
+
  private:
   struct Node {
     Eigen::AlignedBox3d box;
