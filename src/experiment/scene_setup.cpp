@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
 #include "core/image_io.h"
 #include "core/progress.h"
+#include "experiment/mesh_checks.h"
 #include "scene/builtin.h"
 
 namespace truescatter {
@@ -33,7 +35,16 @@ Mesh load_mesh_file(const ExperimentSpec& spec, int loop_subdivisions) {
   options.flip_v = scene.flip_v;
   if (scene.normals == "file") options.normals = NormalSource::file;
   if (scene.normals == "angle-weighted") options.normals = NormalSource::angle_weighted;
-  return load_mesh(resolve_path(spec, scene.mesh, scene.mesh_where), options);
+  const std::filesystem::path path = resolve_path(spec, scene.mesh, scene.mesh_where);
+  Mesh mesh = load_mesh(path, options);
+  std::vector<std::size_t> all(mesh.triangle_count());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  refuse_repeated_triangles(mesh, all, {path.string()});
+  const std::vector<int> components = label_components(
+      mesh.triangle_count(), [&](std::size_t t) { return mesh.triangles[t]; },
+      [](std::size_t) { return true; });
+  refuse_parted_surface(mesh, all, components, {path.string()});
+  return mesh;
 }
 
 Mesh load_scene_mesh(const ExperimentSpec& spec) {
@@ -125,6 +136,9 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   const Progress progress("scene", 1);
   PreparedScene scene;
   scene.mesh = load_scene_mesh(spec);
+  scene.mesh_file = {is_builtin(spec.scene)
+                         ? spec.scene.mesh
+                         : resolve_path(spec, spec.scene.mesh, spec.scene.mesh_where).string()};
   if (scene.mesh.has_uvs()) scene.uvs = inspect_uvs(scene.mesh);
   scene.albedo = load_albedo(spec, scene.mesh.has_uvs());
   const SkinMask mask = load_mask(spec, scene.mesh.has_uvs());
@@ -184,7 +198,7 @@ GeodesicSurface geodesic_surface(const PreparedScene& scene) {
     if (!triangle.skin) continue;
     pieces.push_back({triangle.base, triangle.base_barycentric, triangle.irradiance, triangle.component});
   }
-  return {IntrinsicMesh(scene.mesh.positions_mm, scene.mesh.triangles), pieces};
+  return {IntrinsicMesh(scene.mesh.positions_mm, scene.mesh.triangles, scene.mesh_file), pieces};
 }
 
 }  // namespace truescatter

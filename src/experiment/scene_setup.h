@@ -18,6 +18,7 @@ namespace truescatter {
 // A scene ready to be rendered and convolved.
 struct PreparedScene {
   Mesh mesh;
+  SourceLocation mesh_file;  // for messages: the file, or the built-in scene's name
   ShadingMesh shading;
   double largest_irradiance = 0.0;  // of the skin's corners: the unit of tolerances
   std::optional<UvReport> uvs;
@@ -25,8 +26,8 @@ struct PreparedScene {
 };
 
 // Loads or generates the mesh, lights it and refines it into the shading mesh.
-// Throws Error (input): see load_mesh, make_builtin, resolve_path; a texture without UVs, or without the
-// channels that it needs; a dark scene; a point light on the mesh.
+// Throws Error (input): see load_mesh, mesh_checks.h, make_builtin, resolve_path; a texture without UVs, or
+// without the channels that it needs; a dark scene; a point light on the mesh.
 PreparedScene prepare_scene(const ExperimentSpec& spec);
 
 // What a scene is known to be before it is generated, lit and refined.

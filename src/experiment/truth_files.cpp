@@ -6,14 +6,13 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <map>
 #include <string>
 #include <utility>
 
 #include "core/csv.h"
 #include "core/error.h"
+#include "experiment/mesh_checks.h"
 #include "scene/load_mesh.h"
-#include "truth/t_junction.h"
 
 namespace truescatter {
 namespace {
@@ -85,56 +84,6 @@ std::vector<bool> read_mask(const TruthFiles& files, std::size_t triangles) {
   return skin;
 }
 
-// Two triangles of the same corners in the same order would add the light of one place twice. In the opposite
-// order they are the two sides of a sheet without thickness, and give twice the light of one as any
-// thin sheet does.
-void refuse_repeated_triangles(const TruthProblem& problem, const std::filesystem::path& path) {
-  std::map<std::array<int, 3>, std::size_t> by_corners;
-  for (const std::size_t t : problem.mesh_triangle) {
-    if (triangle_area_mm2(problem.mesh, t) == 0.0) continue;
-    std::array<int, 3> corners = problem.mesh.triangles[t];
-    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
-    const auto [first, fresh] = by_corners.try_emplace(corners, t);
-    if (fresh) continue;
-    throw_input_error(
-        {path.string()},
-        "faces {} and {} (from 0) are the same triangle, at ({:.9g}, {:.9g}, {:.9g}): its light "
-        "would count twice",
-        first->second, t, problem.mesh.corner(t, 0).x(), problem.mesh.corner(t, 0).y(),
-        problem.mesh.corner(t, 0).z());
-  }
-}
-
-// Light stays within a component, and components are told by shared edges: where one edge lies on two
-// shorter ones, what looks like one surface is two.
-void refuse_parted_surface(const TruthProblem& problem, std::span<const int> components,
-                           const std::filesystem::path& path) {
-  const Mesh& mesh = problem.mesh;
-  std::map<std::uint64_t, int> uses;
-  for (const auto& t : mesh.triangles) {
-    for (std::size_t e = 0; e < 3; ++e) ++uses[edge_key(t[e], t[(e + 1) % 3])];
-  }
-  std::vector<OpenEdge> open;
-  for (const std::size_t t : problem.mesh_triangle) {
-    const auto& v = mesh.triangles[t];
-    for (std::size_t e = 0; e < 3; ++e) {
-      if (uses[edge_key(v[e], v[(e + 1) % 3])] == 1) open.push_back({v[e], v[(e + 1) % 3], t});
-    }
-  }
-  const auto found =
-      find_t_junction(mesh.positions_mm, open, [&](std::size_t at_vertex, std::size_t at_edge) {
-        return components[at_vertex] != components[at_edge];
-      });
-  if (!found) return;
-  const Vec3d& at = mesh.positions_mm[static_cast<std::size_t>(found->vertex)];
-  throw_input_error(
-      {path.string()},
-      "the vertex ({:.9g}, {:.9g}, {:.9g}) of face {} lies in the middle of an open edge of face "
-      "{} (from 0; a T-junction), and nothing else joins the two: whether light passes from one "
-      "to the other cannot be told",
-      at.x(), at.y(), at.z(), found->triangle_at_vertex, found->triangle_at_edge);
-}
-
 MeshPoint read_place(const CsvReader& reader, const TruthProblem& problem, const TruthFiles& files) {
   const int face = reader.whole(0);
   const std::size_t count = problem.mesh.triangle_count();
@@ -185,8 +134,8 @@ TruthProblem read_truth_problem(const TruthFiles& files) {
     problem.surface.triangles.push_back(triangle);
     problem.mesh_triangle.push_back(t);
   }
-  refuse_repeated_triangles(problem, files.mesh);
-  refuse_parted_surface(problem, components, files.mesh);
+  refuse_repeated_triangles(mesh, problem.mesh_triangle, {files.mesh.string()});
+  refuse_parted_surface(mesh, problem.mesh_triangle, components, {files.mesh.string()});
   CsvReader reader(files.points, {"face", "b0", "b1", "b2"});
   while (reader.next()) {
     problem.places.push_back(read_place(reader, problem, files));

@@ -11,9 +11,10 @@ namespace {
 constexpr std::size_t kBuckets = 64;
 // Two lengths are told apart if they differ by more than this share of the radius: thousands of roundings.
 constexpr double kSame = 1e-11;
-// A source this close to a corner, in barycentric coordinates, lies on it: rays round it would have no
-// direction.
-constexpr double kOnVertex = 1e-12;
+// A source this close to a corner, in barycentric coordinates, lies on it. On edges of some mm that moves it by
+// some 1e-9 mm and a mass by 1e-8 at most; any closer, the faces round the corner, which see the source in
+// coordinates of their own, would disagree by as much about the ray through the corner.
+constexpr double kOnVertex = 3e-10;
 constexpr double kSameAngle = 1e-12;
 // An interval narrower than this share of its edge is within the rounding of its ends.
 constexpr double kNarrow = 1e-14;

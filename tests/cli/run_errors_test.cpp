@@ -138,6 +138,17 @@ TEST_F(CliErrorsBeforeComputing, IndexOutOfRange) {
   expect_refused(run(kMeshFile), {"a.obj:6"});
 }
 
+TEST_F(CliErrorsBeforeComputing, ATriangleTwice) {
+  folder_.write("a.obj", kSquareObj + "f 3 1 2\n");
+  expect_refused(run(kMeshFile), {"a.obj: faces 0 and 2 (from 0) are the same triangle"});
+}
+
+TEST_F(CliErrorsBeforeComputing, ATJunctionThatPartsTheSurface) {
+  // Two triangles on one edge's halves, in whose middle nothing joins the square.
+  folder_.write("a.obj", kSquareObj + "v 0 -10 0\nv 0 -20 0\nf 5 1 6\nf 2 5 6\n");
+  expect_refused(run(kMeshFile), {"a.obj: the vertex (0, -10, 0) of face", "a T-junction"});
+}
+
 TEST_F(CliErrorsBeforeComputing, EmptyMesh) {
   folder_.write("a.obj", "v 0 0 0\n");
   expect_refused(run(kMeshFile), {"a.obj"});

@@ -132,6 +132,10 @@ TEST(GeodesicExact, MassOnACone) {
 }
 
 TEST(GeodesicExact, MassOnASaddle) {
+  // A source within 3e-10 of its edge's 30 mm of the apex is taken to lie on it (geodesic_field.cpp): it
+  // moves by a, over which the mass changes by at most a times int 2 r |f'| dr times the angle beyond a
+  // plane's, 1.1 pi at most: sqrt(pi/2) 1.1 pi / pi / s < 1.4 a / s.
+  const auto moved = [](double a) { return a < 3e-10 * 30.0 ? 1.4 * a : 0.0; };
   EXPECT_NEAR(saddle_mass(2.5 * kPi, 0.8, 1.0), 1.075328712824, 1e-12);
   for (const double total : {2.5 * kPi, 2.05 * kPi, 3.2 * kPi}) {
     const Soup soup = fan(total, 12, 30.0);
@@ -139,7 +143,7 @@ TEST(GeodesicExact, MassOnASaddle) {
     for (const double a : {3.0, 0.8, 0.05, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 0.0}) {
       for (const double share : {0.5, 0.13, 0.0}) {
         EXPECT_NEAR(exact_at(surface, fan_point(soup, a, share), {1.0})[3], saddle_mass(total, a, 1.0),
-                    1e-13 + allowed(0.0, 1.0))
+                    1e-13 + allowed(0.0, 1.0) + moved(a))
             << "total " << total << " a " << a << " share " << share;
       }
     }
