@@ -104,8 +104,12 @@ Frame render_frame(const gpu::Context& context, const SurfaceBuffers& surface, c
                    const Camera& camera) {
   const int w = camera.width_px;
   const int h = camera.height_px;
+  const Mat4d view = camera.view_matrix();
+  const auto [near_mm, far_mm] = depth_range_mm(shading, view);
   const auto float4 = [&] { return gpu::Texture(context, w, h, gpu::Format::rgba32f); };
   Frame frame{camera,
+              view,
+              camera.projection_matrix(near_mm, far_mm),
               float4(),
               float4(),
               float4(),
@@ -119,12 +123,10 @@ Frame render_frame(const gpu::Context& context, const SurfaceBuffers& surface, c
       &depth);
   const gpu::Program program(context, {methods::shader_file("frame/gbuffer.vert")},
                              {methods::shader_file("frame/gbuffer.frag")});
-  const Mat4d view = camera.view_matrix();
-  const auto [near_mm, far_mm] = depth_range_mm(shading, view);
   target.clear();
   program.use();
-  program.set("view", view);
-  program.set("projection", camera.projection_matrix(near_mm, far_mm));
+  program.set("view", frame.view);
+  program.set("projection", frame.projection);
   context.gl().Enable(GL_DEPTH_TEST);
   context.gl().DepthFunc(GL_LESS);
   surface.draw();

@@ -40,6 +40,8 @@ class SurfaceBuffers {
 // sampled at pixel centres, without antialiasing; where nothing is seen they are 0.
 struct Frame {
   Camera camera;
+  Mat4d view;                // world to view space
+  Mat4d projection;          // view to clip space; holds the whole mesh
   gpu::Texture position;     // rgb: view-space position, mm; a: 1 where a surface is seen
   gpu::Texture face_normal;  // rgb: the facet's unit normal, view space (for areas)
   gpu::Texture normal;       // rgb: the interpolated unit normal, view space (for K, d' and lighting)

@@ -49,6 +49,14 @@ struct NumericLimits {
   double identity_per_px = 0.0;
   // Of the identity, times irradiance's largest change along a texel's edge.
   double identity_per_texel = 0.0;
+  // Of both, where the method's own target is raw, so that they are held against a plane's mass,
+  // w_0 + sum w_i (1 - exp(-r_max^2 / 2 v_i)): times sum w_i G_i(r_max) r_max min(h, s_i / 2), the light on
+  // the cut-off's rim that is as wide as h, a pixel's longer edge on the surface, in mm.
+  double raw_rim = 0.0;
+  // Of the same: times the largest (r_max / D)^2 / cos^2(theta) + sin^2(theta) tan(theta) tan(rho) / 2, with
+  // D the distance of a pixel's point, theta the angle of its face's normal with the view axis and rho its
+  // own.
+  double raw_perspective = 0.0;
 };
 
 // A technique. To add one: a folder with its GLSL and a file that defines `Method <folder>_method()`, and the

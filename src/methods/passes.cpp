@@ -18,23 +18,32 @@ gpu::ShaderText shader_file(std::string_view path) {
 
 namespace {
 
-gpu::Program build(const gpu::Context& context, const gpu::ShaderText& vertex, std::string_view fragment,
-                   std::vector<std::string> defines, bool counting) {
+gpu::Program build(const gpu::Context& context, const gpu::ShaderText& vertex,
+                   const std::vector<std::string>& fragment, std::vector<std::string> defines,
+                   bool counting) {
   if (counting) defines.emplace_back("INSTRUMENT");
-  return {context, {vertex}, {methods::shader_file("common.glsl"), methods::shader_file(fragment)}, defines};
+  std::vector<gpu::ShaderText> pieces = {methods::shader_file("common.glsl")};
+  for (const std::string& piece : fragment) pieces.push_back(methods::shader_file(piece));
+  return {context, {vertex}, pieces, defines};
 }
 
 }  // namespace
 
+PassProgram PassProgram::of_pieces(const gpu::Context& context, std::string_view vertex,
+                                   const std::vector<std::string>& fragment,
+                                   const std::vector<std::string>& defines) {
+  const gpu::ShaderText first =
+      vertex.empty() ? gpu::FullScreen::vertex_shader() : methods::shader_file(vertex);
+  return {build(context, first, fragment, defines, false), build(context, first, fragment, defines, true)};
+}
+
 PassProgram::PassProgram(const gpu::Context& context, std::string_view fragment,
                          const std::vector<std::string>& defines)
-    : plain(build(context, gpu::FullScreen::vertex_shader(), fragment, defines, false)),
-      counting(build(context, gpu::FullScreen::vertex_shader(), fragment, defines, true)) {}
+    : PassProgram(of_pieces(context, {}, {std::string(fragment)}, defines)) {}
 
 PassProgram::PassProgram(const gpu::Context& context, std::string_view vertex, std::string_view fragment,
                          const std::vector<std::string>& defines)
-    : plain(build(context, methods::shader_file(vertex), fragment, defines, false)),
-      counting(build(context, methods::shader_file(vertex), fragment, defines, true)) {}
+    : PassProgram(of_pieces(context, vertex, {std::string(fragment)}, defines)) {}
 
 void Passes::draw(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms,
                   bool add) {
@@ -50,6 +59,7 @@ void Passes::run(const PassProgram& program, const Target& target, const SetUnif
                  bool clear, const std::function<void()>& geometry) {
   const gpu::GlFunctions& gl = context_.gl();
   ++counts_.passes;
+  if (target.depth.valid()) gl.Enable(GL_DEPTH_TEST);
   const auto submit = [&](const gpu::Program& used, const gpu::Framebuffer& framebuffer) {
     if (clear) framebuffer.clear();
     framebuffer.bind();
@@ -63,7 +73,11 @@ void Passes::run(const PassProgram& program, const Target& target, const SetUnif
                                target.texture.format());
     const gpu::Texture counts(context_, target.texture.width(), target.texture.height(),
                               gpu::Format::rgba32f);
-    const gpu::Framebuffer framebuffer(context_, {&scratch, &counts});
+    const gpu::Texture depth =
+        target.depth.valid()
+            ? gpu::Texture(context_, target.texture.width(), target.texture.height(), gpu::Format::depth32f)
+            : gpu::Texture();
+    const gpu::Framebuffer framebuffer(context_, {&scratch, &counts}, depth.valid() ? &depth : nullptr);
     framebuffer.clear();
     submit(program.counting, framebuffer);
     const Image image = framebuffer.read(1, 2);
@@ -80,6 +94,7 @@ void Passes::run(const PassProgram& program, const Target& target, const SetUnif
   }
   submit(program.plain, target.framebuffer);
   if (add) gl.Disable(GL_BLEND);
+  if (target.depth.valid()) gl.Disable(GL_DEPTH_TEST);
 }
 
 Passes::Counts Passes::count(const std::function<void()>& work) {

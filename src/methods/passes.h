@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gpu/framebuffer.h"
@@ -13,11 +14,21 @@ namespace truescatter {
 // A texture that is drawn into, with its framebuffer.
 struct Target {
   gpu::Texture texture;
+  gpu::Texture depth;  // valid where drawing into it tests depths
   gpu::Framebuffer framebuffer;
 
   Target(const gpu::Context& context, int width, int height, gpu::Format format,
          gpu::Filter filter = gpu::Filter::nearest)
       : texture(context, width, height, format, filter), framebuffer(context, {&texture}) {}
+
+  static Target with_depth(const gpu::Context& context, int width, int height, gpu::Format format) {
+    return {gpu::Texture(context, width, height, format),
+            gpu::Texture(context, width, height, gpu::Format::depth32f), context};
+  }
+
+ private:
+  Target(gpu::Texture color, gpu::Texture tested, const gpu::Context& context)
+      : texture(std::move(color)), depth(std::move(tested)), framebuffer(context, {&texture}, &depth) {}
 };
 
 // A pass's fragment shader: as it is timed, and its variant that counts texture reads.
@@ -31,6 +42,15 @@ struct PassProgram {
   // With a vertex shader of its own, for passes that draw geometry.
   PassProgram(const gpu::Context& context, std::string_view vertex, std::string_view fragment,
               const std::vector<std::string>& defines);
+  // With pieces of GLSL between common.glsl and the shader proper, which is the last. An empty `vertex` is
+  // the full-screen pass's.
+  static PassProgram of_pieces(const gpu::Context& context, std::string_view vertex,
+                               const std::vector<std::string>& fragment,
+                               const std::vector<std::string>& defines = {});
+
+ private:
+  PassProgram(gpu::Program timed, gpu::Program counted)
+      : plain(std::move(timed)), counting(std::move(counted)) {}
 };
 
 // How a method draws: keeps count of its passes and, when asked to, of its texture reads.
