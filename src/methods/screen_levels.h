@@ -12,12 +12,13 @@ struct ScreenResult {
   Target blurred;     // after the second
   Target result;
 
-  explicit ScreenResult(const MethodInputs& inputs)
+  // `format`: of what is drawn into.
+  explicit ScreenResult(const MethodInputs& inputs, gpu::Format format = gpu::Format::rgba32f)
       : first(inputs.context, "first.frag"),
         accumulate(inputs.context, "accumulate.frag"),
-        horizontal(target(inputs)),
-        blurred(target(inputs)),
-        result(target(inputs)) {}
+        horizontal(target(inputs, format)),
+        blurred(target(inputs, format)),
+        result(target(inputs, format)) {}
 
   void start(Passes& passes, const Frame& frame, const Vec3d& delta_weight) const {
     passes.draw(first, result, [&](const gpu::Program& program) {
@@ -39,8 +40,8 @@ struct ScreenResult {
 
  private:
   // Linear filtering serves the methods that ask for it; read_texel is not filtered whatever the mode.
-  static Target target(const MethodInputs& inputs) {
-    return {inputs.context, inputs.frame.camera.width_px, inputs.frame.camera.height_px, gpu::Format::rgba32f,
+  static Target target(const MethodInputs& inputs, gpu::Format format) {
+    return {inputs.context, inputs.frame.camera.width_px, inputs.frame.camera.height_px, format,
             gpu::Filter::linear};
   }
 };

@@ -338,8 +338,8 @@ maximum = 0.5
   EXPECT_EQ(result.out, R"(tiny: 1 views x 1 profiles x 4 methods = 4 runs
 scene builtin:plane (edge_mm = 5, size_mm = 20)
 method none: No scattering
-method pscbf: Pseudo-separable cross bilateral filter (placement = median, taps = 13)
-method coarse: Pseudo-separable cross bilateral filter (placement = median, taps = 5)
+method pscbf: Pseudo-separable cross bilateral filter (placement = median, r_max_mm = 0, sampling = taps, sharing = red, taps = 13, targets = 32-bit)
+method coarse: Pseudo-separable cross bilateral filter (placement = median, r_max_mm = 0, sampling = taps, sharing = red, taps = 5, targets = 32-bit)
 method texture-space: Texture-space diffusion (stretch = raw, texture_size = 1024)
 view front: 48 x 48 px
   truth front/spike-and-base/euclidean-normalised: Euclidean, normalised, not cut, 3 Gaussians; headline; own target of none

@@ -24,6 +24,7 @@ struct Filter {
 const Filter kScreenIntegral{"screen-integral", {}, false};
 const Filter kUnnormalised{"cbf-unnormalised", {}, false};
 const Filter kCbf{"cbf", {}, true};
+const Filter kDensePscbf{"pscbf", {{"sampling", std::string("dense")}}, true};
 
 // The largest error under 1/2 + 1/2 cos(2 pi u / wavelength), over pixels whose whole reach is in the
 // picture.
@@ -62,6 +63,19 @@ TEST(Plane, CosineLightIsFilteredAsTheTruthIs) {
         EXPECT_LE(cosine_error(filter, view, r_max_mm, wavelength_px * view.mm_per_px, margin), 1e-3)
             << filter.name << " r_max " << r_max_mm << " wavelength " << wavelength_px;
       }
+    }
+  }
+}
+
+// Its two passes are cut off by a square: at 4 s and more that leaves 3e-4 between it and the disc.
+TEST(Plane, DenseTapsFilterCosineLightAsTheTruthDoes) {
+  for (const double r_max_mm : {4.0, 5.0}) {
+    PlaneView view;
+    const int margin = margin_px(view, r_max_mm);
+    view.px = 2 * margin + 20;
+    for (const double wavelength_px : {16.0, 64.0}) {
+      EXPECT_LE(cosine_error(kDensePscbf, view, r_max_mm, wavelength_px * view.mm_per_px, margin), 1e-3)
+          << "r_max " << r_max_mm << " wavelength " << wavelength_px;
     }
   }
 }
@@ -109,7 +123,7 @@ TEST(Plane, TheAreaWeightIsRightInPerspectiveAndOnSlopes) {
 // pi)), of first order. r_max = 4.5 s leaves out 4e-5.
 TEST(Plane, AStepConvergesAtFirstOrder) {
   constexpr double kRMaxMm = 4.5;
-  for (const Filter& filter : {kScreenIntegral, kUnnormalised, kCbf}) {
+  for (const Filter& filter : {kScreenIntegral, kUnnormalised, kCbf, kDensePscbf}) {
     for (const double mm_per_px : {0.6, 0.3, 0.15}) {
       PlaneView view{.mm_per_px = mm_per_px};
       const int margin = margin_px(view, kRMaxMm);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace truescatter {
@@ -53,6 +54,43 @@ TEST(EqualProbabilityTaps, OtherChannelsWeighTheRedBins) {
   // Narrower channels weigh the outer bins less.
   EXPECT_LT(taps[0].weight[2], taps[0].weight[1]);
   EXPECT_LT(taps[0].weight[1], taps[0].weight[0]);
+}
+
+// Green's and blue's mass in every red bin, by another route: the densities summed over a fine grid, whose
+// points fall into the bin that red's mass so far says. A point that falls into the wrong one, and the
+// midpoint rule, are worth a step of 1e-4 mm times the largest density, 0.38 / mm for blue: 4e-5, at either
+// end.
+TEST(EqualProbabilityTaps, WeightsAreTheMassesInEachRedBin) {
+  constexpr int kCount = 13;
+  constexpr double kStepMm = 1e-4;
+  std::vector<Vec3d> mass(kCount, Vec3d::Zero());
+  double red_so_far = 0.0;
+  for (double x = -12.0 + 0.5 * kStepMm; x < 12.0; x += kStepMm) {
+    Vec3d here;
+    for (int c = 0; c < 3; ++c)
+      here[c] =
+          kStepMm * std::exp(-0.5 * x * x / (kTable1[c] * kTable1[c])) / (std::sqrt(2.0 * kPi) * kTable1[c]);
+    const int bin = std::min(kCount - 1, static_cast<int>(kCount * (red_so_far + 0.5 * here[0])));
+    mass[static_cast<std::size_t>(bin)] += here;
+    red_so_far += here[0];
+  }
+  const std::vector<GaussianTap> taps = equal_probability_taps(kCount, kTable1, TapPlacement::median);
+  for (std::size_t i = 0; i < taps.size(); ++i)
+    EXPECT_LT((taps[i].weight - mass[i]).cwiseAbs().maxCoeff(), 8e-5) << i;
+}
+
+TEST(EqualProbabilityTaps, OfEachChannelAreItsOwnRedTaps) {
+  const std::vector<GaussianTap> taps =
+      equal_probability_taps_per_channel(5, kTable1, TapPlacement::centroid);
+  ASSERT_EQ(taps.size(), 15U);
+  for (int c = 0; c < 3; ++c) {
+    const auto alone = equal_probability_taps(5, Vec3d::Constant(kTable1[c]), TapPlacement::centroid);
+    for (std::size_t i = 0; i < 5; ++i) {
+      const GaussianTap& tap = taps[5 * static_cast<std::size_t>(c) + i];
+      EXPECT_EQ(tap.offset_mm, alone[i].offset_mm);
+      EXPECT_EQ(tap.weight, Vec3d(alone[i].weight[0] * Vec3d::Unit(c)));
+    }
+  }
 }
 
 }  // namespace

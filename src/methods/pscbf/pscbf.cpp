@@ -4,12 +4,13 @@
 
 #include "methods/method.h"
 #include "methods/pscbf/taps.h"
+#include "methods/screen_filter.h"
 #include "methods/screen_levels.h"
 
 namespace truescatter {
 namespace {
 
-constexpr int kMaxTaps = 64;
+constexpr int kMaxTaps = 64;  // per channel
 
 double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
 
@@ -35,16 +36,34 @@ struct TapUniforms {
   std::vector<float> offsets;
   std::vector<Vec3f> weights;
   Vec3d depth_factor;
+  double narrowest_mm = 0.0;
+  double widest_mm = 0.0;
 };
 
-TapUniforms tap_uniforms(const GaussianTerm& term, int count, TapPlacement placement, double r_max_mm) {
+std::vector<GaussianTap> taps_of(const GaussianTerm& term, const Settings& settings) {
+  const TapPlacement placement = tap_placement(settings);
+  const int count = settings.whole("taps");
+  if (settings.word("sharing") == "none")
+    return equal_probability_taps_per_channel(count, term.std_dev_mm(), placement);
+  return equal_probability_taps(count, term.std_dev_mm(), placement);
+}
+
+TapUniforms tap_uniforms(const GaussianTerm& term, const Settings& settings, double r_max_mm) {
   TapUniforms uniforms;
-  for (const GaussianTap& tap : equal_probability_taps(count, term.std_dev_mm(), placement)) {
+  uniforms.narrowest_mm = term.std_dev_mm().minCoeff();
+  uniforms.widest_mm = term.std_dev_mm().maxCoeff();
+  for (const GaussianTap& tap : taps_of(term, settings)) {
     uniforms.offsets.push_back(static_cast<float>(tap.offset_mm / r_max_mm));
     uniforms.weights.push_back(tap.weight.cast<float>());
   }
   uniforms.depth_factor = -0.5 * term.variance_mm2.cwiseInverse();
   return uniforms;
+}
+
+std::vector<std::string> defines(const Settings& settings) {
+  std::vector<std::string> names = {fmt::format("MAX_TAPS {}", 3 * kMaxTaps)};
+  if (settings.word("sampling") == "dense") names.emplace_back("DENSE");
+  return names;
 }
 
 // The manual stands at the head of pscbf.frag.
@@ -55,18 +74,18 @@ PreparedMethod prepare(const MethodInputs& inputs) {
     std::vector<TapUniforms> taps;
   };
   const auto state = std::make_shared<State>(
-      State{ScreenResult(inputs),
-            PassProgram(inputs.context, "pscbf/pscbf.frag", {fmt::format("MAX_TAPS {}", kMaxTaps)}),
+      State{ScreenResult(inputs, inputs.settings.word("targets") == "16-bit" ? gpu::Format::rgba16f
+                                                                             : gpu::Format::rgba32f),
+            PassProgram::of_pieces(inputs.context, {}, {"filter_geometry.glsl", "pscbf/pscbf.frag"},
+                                   defines(inputs.settings)),
             {}});
   const Profile& profile = inputs.profile;
-  const TapPlacement placement =
-      inputs.settings.word("placement") == "centroid" ? TapPlacement::centroid : TapPlacement::median;
-  for (const GaussianTerm& term : profile.terms) {
-    state->taps.push_back(tap_uniforms(term, inputs.settings.whole("taps"), placement, profile.r_max_mm));
-  }
+  const double r_max = r_max_mm(profile, inputs.settings);
+  for (const GaussianTerm& term : profile.terms)
+    state->taps.push_back(tap_uniforms(term, inputs.settings, r_max));
   const Frame& frame = inputs.frame;
 
-  const auto render = [state, &frame, &profile](Passes& passes) {
+  const auto render = [state, r_max, &frame, &profile](Passes& passes) {
     const ScreenResult& screen = state->screen;
     screen.start(passes, frame, profile.delta_weight);
     for (std::size_t i = 0; i < profile.terms.size(); ++i) {
@@ -77,12 +96,14 @@ PreparedMethod prepare(const MethodInputs& inputs) {
           program.set("position", frame.position, 1);
           program.set("normal", frame.normal, 2);
           program.set("axis", axis);
-          program.set("r_max_mm", profile.r_max_mm);
+          program.set("r_max_mm", r_max);
           program.set("focal_px", frame.camera.focal_px());
           program.set("tap_count", static_cast<int>(taps.offsets.size()));
           program.set("tap_offset", taps.offsets);
           program.set("tap_weight", taps.weights);
           program.set("depth_factor", taps.depth_factor);
+          program.set("narrowest_mm", taps.narrowest_mm);
+          program.set("widest_mm", taps.widest_mm);
         });
       };
       filter(frame.irradiance, screen.horizontal, 0);
@@ -104,7 +125,7 @@ std::vector<GaussianTap> equal_probability_taps(int count, const Vec3d& std_dev_
     const double middle = placement == TapPlacement::median
                               ? normal_quantile((i + 0.5) / count)
                               : count * (normal_density(low) - normal_density(high));
-    GaussianTap tap{middle * std_dev_mm.x(), Vec3d::Zero()};
+    GaussianTap tap{middle * std_dev_mm.x(), Vec3d::Zero(), low * std_dev_mm.x(), high * std_dev_mm.x()};
     for (int c = 0; c < 3; ++c) {
       const double ratio = std_dev_mm.x() / std_dev_mm[c];
       tap.weight[c] = normal_cdf(high * ratio) - normal_cdf(low * ratio);
@@ -114,6 +135,28 @@ std::vector<GaussianTap> equal_probability_taps(int count, const Vec3d& std_dev_
   return taps;
 }
 
+std::vector<GaussianTap> equal_probability_taps_per_channel(int count, const Vec3d& std_dev_mm,
+                                                            TapPlacement placement) {
+  std::vector<GaussianTap> taps;
+  for (int c = 0; c < 3; ++c) {
+    for (GaussianTap tap : equal_probability_taps(count, Vec3d::Constant(std_dev_mm[c]), placement)) {
+      tap.weight = tap.weight[c] * Vec3d::Unit(c);
+      taps.push_back(tap);
+    }
+  }
+  return taps;
+}
+
+SettingSpec taps_setting() { return {"taps", "taps per axis", 13.0, 1.0, kMaxTaps, true}; }
+
+SettingSpec placement_setting() {
+  return {"placement", "where in its bin a tap lies", 0.0, 0.0, 0.0, false, {"median", "centroid"}};
+}
+
+TapPlacement tap_placement(const Settings& settings) {
+  return settings.word("placement") == "centroid" ? TapPlacement::centroid : TapPlacement::median;
+}
+
 Method pscbf_method() {
   Method method;
   method.name = "pscbf";
@@ -121,10 +164,14 @@ Method pscbf_method() {
   method.source = "Mikkelsen 2010, section 5";
   method.limits = {.rounding = 1e-5};
   method.settings = {
-      {"taps", "taps per axis", 13.0, 1.0, kMaxTaps, true},
-      {"placement", "where in its bin a tap lies", 0.0, 0.0, 0.0, false, {"median", "centroid"}}};
-  method.own_target = [](const Profile& profile, const Settings&) {
-    return OwnTarget{false, true, profile.r_max_mm};
+      taps_setting(),
+      placement_setting(),
+      r_max_setting(),
+      {"sampling", "the taps, or every pixel within d'", 0.0, 0.0, 0.0, false, {"taps", "dense"}},
+      {"sharing", "red's taps for all channels, or taps for each", 0.0, 0.0, 0.0, false, {"red", "none"}},
+      {"targets", "precision of what passes write", 0.0, 0.0, 0.0, false, {"32-bit", "16-bit"}}};
+  method.own_target = [](const Profile& profile, const Settings& settings) {
+    return OwnTarget{false, true, r_max_mm(profile, settings)};
   };
   method.prepare = prepare;
   return method;
