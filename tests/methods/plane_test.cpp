@@ -1,6 +1,7 @@
 // The screen-space filters on an endless plane, where the truth has a closed form.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "support/error_of.h"
@@ -116,6 +117,24 @@ TEST(Plane, TheAreaWeightIsRightInPerspectiveAndOnSlopes) {
   view.px = 2 * margin + 40;
   const Filter constant{"screen-integral", {{"area", std::string("constant")}}, false};
   EXPECT_GT(cosine_error(constant, view, kRMaxMm, kWavelengthMm, margin), 2e-3);
+}
+
+// An area takes the face's normal, K and d' the interpolated one: turned by 25 degrees it changes nothing for
+// the first and something for the second.
+TEST(Plane, AreasTakeTheFacesNormal) {
+  PlaneView view{.mm_per_px = 0.3, .px = 40, .tilt_deg = 30.0};
+  PlaneView turned = view;
+  turned.shading_tilt_deg = 25.0;
+  for (const Filter& filter : {kScreenIntegral, kUnnormalised, kCbf}) {
+    const auto exitance = [&](const PlaneView& of) {
+      return PlaneFrame(of, [](double u) { return 0.5 + 0.5 * std::cos(u); })
+          .run(find_method(filter.name), test::one_gaussian(kStdDevMm, 3.0), filter.settings);
+    };
+    const Image before = exitance(view);
+    const Image after = exitance(turned);
+    EXPECT_EQ(std::ranges::equal(before.data(), after.data()), filter.name == "screen-integral")
+        << filter.name;
+  }
 }
 
 // I = 1 for u > 0. Taking a footprint's light from its middle moves the edge by half a footprint at most, and

@@ -18,10 +18,14 @@ struct PlaneView {
   int px = 96;
   double tilt_deg = 0.0;
   Vec3d tilt_axis = Vec3d::UnitY();  // in the XY plane
-  Vec2d shift_px = Vec2d::Zero();    // of the light, along the picture's x and y, from the middle
+  double shading_tilt_deg = 0.0;     // by how much more the interpolated normal is turned than the plane
 
   Eigen::AngleAxisd turn() const { return {tilt_deg * kPi / 180.0, tilt_axis.normalized()}; }
   Vec3d normal() const { return turn() * Vec3d::UnitZ(); }
+  Vec3d shading_normal() const {
+    return Eigen::AngleAxisd((tilt_deg + shading_tilt_deg) * kPi / 180.0, tilt_axis.normalized()) *
+           Vec3d::UnitZ();
+  }
   Camera camera() const { return camera_at(distance_mm, mm_per_px * px, px); }
   // The plane's point behind a pixel's centre, row 0 at the top.
   Vec3d point(int x, int y) const {
@@ -49,17 +53,19 @@ class PlaneFrame {
                             {},
                             {}} {
     Image position(view.px, view.px, 4, 1.0F);
+    Image face_normal(view.px, view.px, 4, 0.0F);
     Image normal(view.px, view.px, 4, 0.0F);
     Image irradiance(view.px, view.px, 4, 1.0F);
     for (int y = 0; y < view.px; ++y) {
       for (int x = 0; x < view.px; ++x) {
         position.set_rgb(x, y, view.point(x, y));
-        normal.set_rgb(x, y, view.normal());
+        face_normal.set_rgb(x, y, view.normal());
+        normal.set_rgb(x, y, view.shading_normal());
         irradiance.set_rgb(x, y, Vec3d::Constant(light(view.along(x, y))));
       }
     }
     frame_.position.upload(position);
-    frame_.face_normal.upload(normal);
+    frame_.face_normal.upload(face_normal);
     frame_.normal.upload(normal);
     frame_.irradiance.upload(irradiance);
   }

@@ -22,8 +22,8 @@
 //   two reads each; r_px = reach times focal over depth, kMostPixels at most.
 // Fails: hidden surface (one layer: dark bands behind overlaps and at silhouettes; more layers: only faces seen edge
 //   on, which no pixel meets); slopes not along an axis and curvature (K is a plane's, built from two axes), which
-//   here change the mass, and that is brightness; faces of which a pixel sees less than w(p) says; where the interpolated normal
-//   looks away from the viewer K is huge and light is lost.
+//   here change the mass, and that is brightness; faces of which a pixel sees less than w(p) says; where the
+//   interpolated normal looks away from the viewer K is huge and light is lost.
 //
 // Limits. Mass and identity as in screen_integral.frag, raw_rim = 3, and what K adds, raw_perspective: by equation 2
 // the true footprint is w n = z^2 z n / (n . x); (K_x, 0, e_x) x (0, K_y, e_y), with K_a = z^2 n_z / (x_a n_a + z n_z)

@@ -24,8 +24,8 @@
 //   inner bins lose theirs as before. Texels are dyadic: they do not follow the tap, so the result changes with where
 //   the surface lies in the picture. A kept nearer pixel takes the farther one's share.
 //
-// Limits. Constant: normalised, 1e-6. Identity: within a pixel taps read linearly, off by E|q| s_px = 0.8 s_px times the
-// largest step to the next pixel, for each axis: 1.6. Mirror: where the picture's sides are multiples of 2^level (else
+// Limits. Constant: normalised, 1e-6. Identity: within a pixel taps read linearly, off by E|q| s_px = 0.8 s_px times
+// the largest step to the next pixel, for each axis: 1.6. Mirror: where the picture's sides are multiples of 2^level (else
 // the chains of the two differ); coordinates of some hundred pixels round to 1e-5 px, under steps of up to 1: 1e-5,
 // and with the sums 2e-5.
 SAMPLER(source);

@@ -3,8 +3,8 @@
 // shader draws the back buffer; the rest is screen_octree.cpp and sample_octree.h.
 //
 // Source: two irradiance buffers from the camera, front-facing primitives in the first and back-facing ones in the
-// second; the surface point behind every pixel goes into an octree, "and the process continues in software as in
-// [JB02]": for each pixel the octree is walked from its root; a voxel that the point is not in, and whose samples' area A
+// second; the surface point behind every pixel goes into an octree, and the rest is done in software as by Jensen &
+// Buhler: for each pixel the octree is walked from its root; a voxel that the point is not in, and whose samples' area A
 // is seen from it under a solid angle A / |x - P|^2 below a bound, counts as one sample (the sum of their areas, their
 // mean position P and mean light); otherwise its children are walked, and a leaf's samples count one by one.
 // Each Gaussian is sum of A_i G(|x - x_i|) I_i, A_i = w(p) dp (equation 2; screen_integral.frag), over
