@@ -340,7 +340,7 @@ scene builtin:plane (edge_mm = 5, size_mm = 20)
 method none: No scattering
 method pscbf: Pseudo-separable cross bilateral filter (placement = median, r_max_mm = 0, sampling = taps, sharing = red, taps = 13, targets = 32-bit)
 method coarse: Pseudo-separable cross bilateral filter (placement = median, r_max_mm = 0, sampling = taps, sharing = red, taps = 5, targets = 32-bit)
-method texture-space: Texture-space diffusion (stretch = raw, texture_size = 1024)
+method texture-space: Texture-space diffusion (first_gaussian = blurred, gutter = nearest, stretch = raw, taps = seven, texture_size = 1024)
 view front: 48 x 48 px
   truth front/spike-and-base/euclidean-normalised: Euclidean, normalised, not cut, 3 Gaussians; headline; own target of none
   truth front/spike-and-base/euclidean-normalised-r4.5: Euclidean, normalised, cut at 4.5 mm, 3 Gaussians; own target of pscbf, coarse

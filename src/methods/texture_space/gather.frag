@@ -1,5 +1,5 @@
-// Adds one level of the texture-space blur, read at the pixel's uv, to the picture (by blending). Coverage
-// divides out what lies outside the chart; a pixel whose four texels all miss keeps its irradiance.
+// Adds one level of the texture-space blur, read at the pixel's uv, to the picture (by blending). With
+// COVERAGE the empty texels are divided out, and a pixel whose four texels are all empty keeps its irradiance.
 SAMPLER(irradiance);
 SAMPLER(surface_uv);
 SAMPLER(level);
@@ -11,7 +11,10 @@ void main() {
   result = vec4(0.0);
   if (center.a > 0.0) {
     vec4 blurred = read_linear(level, read_texel(surface_uv, p).xy);
-    result = vec4(weight * (blurred.a > 0.0 ? blurred.rgb / blurred.a : center.rgb), 0.0);
+#ifdef COVERAGE
+    blurred.rgb = blurred.a > 0.0 ? blurred.rgb / blurred.a : center.rgb;
+#endif
+    result = vec4(weight * blurred.rgb, 0.0);
   }
   WRITE_COUNTS;
 }
