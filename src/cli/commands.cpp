@@ -13,6 +13,7 @@
 #include "experiment/result_folder.h"
 #include "experiment/run_experiment.h"
 #include "experiment/scene_setup.h"
+#include "irradiance/environment.h"
 #include "methods/method.h"
 #include "metrics/flip.h"
 #include "profile/profile.h"
@@ -138,6 +139,9 @@ int list() {
   }
   fmt::print("profiles\n");
   for (const Profile& profile : builtin_profiles()) fmt::print("  {:<22} {}\n", profile.name, profile.source);
+  fmt::print("built-in environments\n");
+  for (const BuiltinEnvironment& environment : builtin_environments())
+    fmt::print("  builtin:{:<10} {}\n", environment.name, environment.summary);
   fmt::print("built-in scenes\n");
   for (const BuiltinScene& scene : builtin_scenes()) {
     fmt::print("  builtin:{:<10} {}\n", scene.name, scene.summary);

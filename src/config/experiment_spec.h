@@ -39,12 +39,18 @@ struct SceneSpec {
 };
 
 struct LightSpec {
-  std::string type = "directional";  // directional | point
+  std::string type = "directional";  // directional | point | environment
   Vec3d direction = Vec3d::UnitZ();  // directional: towards the light, unit length
   Vec3d position_mm = Vec3d::Zero();
   double reference_mm = 1000.0;  // point: where its irradiance is `color`
   Vec3d color = Vec3d::Ones();
-  bool shadows = true;
+  bool shadows = true;  // directional, point
+  // environment: "builtin:NAME", or the path of a map of radiance by longitude and latitude
+  std::string map;
+  SourceLocation map_where;
+  double rotation_deg = 0.0;  // about +y, from +z towards +x
+  bool occlusion = true;      // by the mesh, along directions; else every surface sees all of it
+  int occlusion_rays = 1024;
 };
 
 struct ShadingSpec {

@@ -64,20 +64,28 @@ SceneSpec read_scene(TomlTable table) {
 
 LightSpec read_light(TomlTable table) {
   LightSpec light;
-  light.type = table.one_of("type", "directional", {"directional", "point"});
+  light.type = table.one_of("type", "directional", {"directional", "point", "environment"});
   if (light.type == "directional") {
     light.direction = table.vec3("direction");
     if (!(light.direction.norm() > 0.0)) table.fail("direction", "'light.direction' must not be zero");
     // What is a unit vector but for rounding stays as it is, so that a resolved experiment reads the same
     // bits.
     if (std::abs(light.direction.squaredNorm() - 1.0) > 1e-14) light.direction.normalize();
-  } else {
+  } else if (light.type == "point") {
     light.position_mm = table.vec3("position_mm");
     light.reference_mm = table.number("reference_mm", 1000.0, 1e-6, 1e9);
+  } else {
+    light.map = table.text("map");
+    light.map_where = table.where("map");
+    light.rotation_deg = table.number("rotation_deg", 0.0, -360.0, 360.0);
+    light.occlusion = table.flag("occlusion", true);
+    light.occlusion_rays = table.whole("occlusion_rays", light.occlusion_rays, 16, 65536);
+    if (!light.occlusion && table.has("occlusion_rays"))
+      table.fail("occlusion_rays", "'light.occlusion_rays' needs 'light.occlusion'");
   }
   light.color = table.rgb("color", Vec3d::Ones());
   if (light.color.minCoeff() < 0.0) table.fail("color", "'light.color' must not be negative");
-  light.shadows = table.flag("shadows", true);
+  if (light.type != "environment") light.shadows = table.flag("shadows", true);
   table.finish();
   return light;
 }
@@ -411,14 +419,16 @@ std::string profile_toml(const ProfileSpec& profile) {
   return text + of;
 }
 
+// A path that means the same from any folder.
+std::string portable_path(const ExperimentSpec& spec, const std::string& path) {
+  const bool keep = path.empty() || path.starts_with("builtin:") || path.find("${") != std::string::npos ||
+                    std::filesystem::path(path).is_absolute();
+  return keep ? path : std::filesystem::absolute(spec.file.parent_path() / path).lexically_normal().string();
+}
+
 std::string scene_toml(const ExperimentSpec& spec) {
   const SceneSpec& scene = spec.scene;
-  const auto portable = [&](const std::string& path) {
-    const bool keep = path.empty() || path.starts_with("builtin:") || path.find("${") != std::string::npos ||
-                      std::filesystem::path(path).is_absolute();
-    return keep ? path
-                : std::filesystem::absolute(spec.file.parent_path() / path).lexically_normal().string();
-  };
+  const auto portable = [&](const std::string& path) { return portable_path(spec, path); };
   std::string text = "\n[scene]\n" + line("mesh", portable(scene.mesh));
   if (!scene.mesh.starts_with("builtin:")) {
     text += line("unit_mm", scene.unit_mm) + line("normals", scene.normals) +
@@ -437,8 +447,14 @@ std::string scene_toml(const ExperimentSpec& spec) {
   return text;
 }
 
-std::string light_toml(const LightSpec& light) {
+std::string light_toml(const ExperimentSpec& spec, const LightSpec& light) {
   std::string text = "\n[[light]]\n" + line("type", light.type);
+  if (light.type == "environment") {
+    text += line("map", portable_path(spec, light.map)) + line("rotation_deg", light.rotation_deg) +
+            line("occlusion", light.occlusion);
+    if (light.occlusion) text += line("occlusion_rays", light.occlusion_rays);
+    return text + line("color", light.color);
+  }
   if (light.type == "directional") {
     text += line("direction", light.direction);
   } else {
@@ -466,7 +482,7 @@ std::string to_toml(const ExperimentSpec& spec) {
   text += line("name", spec.name) + line("question", spec.question) + line("expectation", spec.expectation) +
           line("source", spec.source);
   text += scene_toml(spec);
-  for (const LightSpec& light : spec.lights) text += light_toml(light);
+  for (const LightSpec& light : spec.lights) text += light_toml(spec, light);
   text +=
       "\n[shading]\n" + line("tolerance", spec.shading.tolerance) + line("floor_mm", spec.shading.floor_mm);
   if (!spec.scene.normal_map.empty()) text += line("normal_map_edge_mm", spec.shading.normal_map_edge_mm);

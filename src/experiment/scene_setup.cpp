@@ -52,13 +52,44 @@ Mesh load_scene_mesh(const ExperimentSpec& spec) {
   return load_mesh_file(spec, spec.scene.loop_subdivisions);
 }
 
-Light light_of(const LightSpec& spec) {
+// The map of an environment, built in or from a file.
+Image load_environment(const ExperimentSpec& spec, const LightSpec& light) {
+  if (light.map.starts_with(kBuiltinPrefix))
+    return builtin_environment_map(light.map.substr(kBuiltinPrefix.size()), light.map_where);
+  const std::filesystem::path path = resolve_path(spec, light.map, light.map_where);
+  Image map = read_linear_colours(path);
+  const auto refuse = [&](const std::string& rule) {
+    throw_input_error(light.map_where, "'light.map' {}, but {} {}", rule, path.string(),
+                      fmt::format("is {} x {} pixels of {} channel{}", map.width(), map.height(),
+                                  map.channels(), map.channels() == 1 ? "" : "s"));
+  };
+  if (map.channels() < 3) refuse("needs red, green and blue");
+  if (map.width() != 2 * map.height()) refuse("must be twice as wide as high (longitude by latitude)");
+  for (int y = 0; y < map.height(); ++y) {
+    for (int x = 0; x < map.width(); ++x) {
+      if (map.rgb(x, y).allFinite() && map.rgb(x, y).minCoeff() >= 0.0) continue;
+      throw_input_error(light.map_where,
+                        "'light.map' must be finite and not negative, but {} is not at column {}, row {}",
+                        path.string(), x, y);
+    }
+  }
+  return map;
+}
+
+Light light_of(const ExperimentSpec& experiment, const LightSpec& spec) {
   Light light;
+  light.color = spec.color;
+  if (spec.type == "environment") {
+    light.kind = LightKind::environment;
+    light.environment = project_environment(load_environment(experiment, spec), spec.rotation_deg);
+    light.shadows = spec.occlusion;
+    light.occlusion_rays = spec.occlusion_rays;
+    return light;
+  }
   light.kind = spec.type == "point" ? LightKind::point : LightKind::directional;
   light.direction = spec.direction;
   light.position_mm = spec.position_mm;
   light.reference_mm = spec.reference_mm;
-  light.color = spec.color;
   light.shadows = spec.shadows;
   return light;
 }
@@ -143,7 +174,7 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   scene.albedo = load_albedo(spec, scene.mesh.has_uvs());
   const SkinMask mask = load_mask(spec, scene.mesh.has_uvs());
   std::vector<Light> lights;
-  for (const LightSpec& light : spec.lights) lights.push_back(light_of(light));
+  for (const LightSpec& light : spec.lights) lights.push_back(light_of(spec, light));
   const Lighting lighting(scene.mesh, lights, load_normal_map(spec, scene.mesh));
   if (!std::isfinite(lighting.largest_possible())) {
     throw_input_error({spec.file.string()},
@@ -173,6 +204,7 @@ SceneOutline check_scene(const ExperimentSpec& spec) {
   load_mask(spec, outline.has_uvs);
   load_normal_image(spec, outline.has_uvs);
   load_albedo(spec, outline.has_uvs);
+  for (const LightSpec& light : spec.lights) light_of(spec, light);
   return outline;
 }
 

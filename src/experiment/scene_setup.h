@@ -27,7 +27,8 @@ struct PreparedScene {
 
 // Loads or generates the mesh, lights it and refines it into the shading mesh.
 // Throws Error (input): see load_mesh, mesh_checks.h, make_builtin, resolve_path; a texture without UVs, or
-// without the channels that it needs; a dark scene; a point light on the mesh.
+// without the channels that it needs; an environment's map that is none; a dark scene; a point light on the
+// mesh.
 PreparedScene prepare_scene(const ExperimentSpec& spec);
 
 // What a scene is known to be before it is generated, lit and refined.
@@ -36,7 +37,8 @@ struct SceneOutline {
   std::map<std::string, double> parameters;  // of a built-in scene, with its defaults
 };
 
-// Checks names and parameters of a built-in scene, and reads a mesh file and a skin mask; computes nothing.
+// Checks names and parameters of a built-in scene, and reads a mesh file, textures and environments; computes
+// nothing else.
 // Throws the Errors that prepare_scene gives for them.
 SceneOutline check_scene(const ExperimentSpec& spec);
 

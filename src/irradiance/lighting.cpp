@@ -29,9 +29,20 @@ double squared_distance_to_mesh(const Mesh& mesh, const Vec3d& position) {
 
 }  // namespace
 
-Lighting::Lighting(const Mesh& mesh, std::vector<Light> lights, NormalMap normal_map)
-    : mesh_(mesh), lights_(std::move(lights)), normal_map_(std::move(normal_map)), shadows_(mesh) {
+Lighting::Lighting(const Mesh& mesh, const std::vector<Light>& lights, NormalMap normal_map)
+    : mesh_(mesh), normal_map_(std::move(normal_map)), shadows_(mesh) {
   Vec3d bound = Vec3d::Zero();
+  for (const Light& light : lights) {
+    if (light.kind != LightKind::environment) {
+      lights_.push_back(light);
+      continue;
+    }
+    EnvironmentSh coloured = light.environment;
+    for (Vec3d& coefficient : coloured) coefficient = coefficient.cwiseProduct(light.color);
+    environments_.push_back(
+        {EnvironmentIrradiance(coloured, light.shadows ? light.occlusion_rays : 0), light.shadows});
+    bound += environments_.back().irradiance.largest_possible();
+  }
   for (const Light& light : lights_) {
     double falloff = 1.0;
     if (light.kind == LightKind::point) {
@@ -42,10 +53,14 @@ Lighting::Lighting(const Mesh& mesh, std::vector<Light> lights, NormalMap normal
   largest_possible_ = bound.maxCoeff();
 }
 
+bool Lighting::hidden(const Vec3d& origin_mm, const Vec3d& direction) const {
+  return shadows_.occluded(origin_mm, direction, std::numeric_limits<double>::infinity());
+}
+
 double Lighting::visibility(const Vec3d& origin_mm, const Light& light) const {
   if (!light.shadows) return 1.0;
   if (light.kind == LightKind::directional) {
-    return shadows_.occluded(origin_mm, light.direction, std::numeric_limits<double>::infinity()) ? 0.0 : 1.0;
+    return hidden(origin_mm, light.direction) ? 0.0 : 1.0;
   }
   const Vec3d to_light = light.position_mm - origin_mm;
   const double distance_mm = to_light.norm();
@@ -90,6 +105,12 @@ Vec3d Lighting::irradiance(const MeshPoint& point, const Vec3d& normal) const {
     const double cosine = normal.dot(to_light);
     if (cosine <= 0.0) continue;
     sum += cosine * falloff * visibility(origin, light) * light.color;
+  }
+  for (const Environment& environment : environments_) {
+    sum += environment.occluded
+               ? environment.irradiance.irradiance(
+                     normal, [&](const Vec3d& direction) { return hidden(origin, direction); })
+               : environment.irradiance.unoccluded(normal);
   }
   return sum;
 }

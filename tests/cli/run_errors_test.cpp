@@ -233,6 +233,25 @@ TEST_F(CliErrorsBeforeComputing, ATextureThatIsNotFinite) {
   }
 }
 
+TEST_F(CliErrorsBeforeComputing, AnEnvironmentThatIsNone) {
+  const auto lit_by = [](const std::string& map) {
+    return with(kTiny, "direction = [0.0, 0.5, 1.0]", "type = \"environment\"\nmap = \"" + map + "\"");
+  };
+  expect_refused(run(lit_by("builtin:studio")),
+                 {"truescatter: e.toml:11:7: \"studio\" is not a built-in environment: uniform, "});
+  expect_refused(run(lit_by("sky.exr")), {"truescatter: e.toml:11:7: no such file: ", "sky.exr"});
+  Image square(4, 4, 3, 0.5F);
+  write_exr(folder_.path() / "sky.exr", {{"", &square}});
+  expect_refused(run(lit_by("sky.exr")),
+                 {"truescatter: e.toml:11:7: 'light.map' must be twice as wide as high", "is 4 x 4 pixels"});
+  Image negative(8, 4, 3, 0.5F);
+  negative.at(3, 2, 1) = -1.0F;
+  write_exr(folder_.path() / "sky.exr", {{"", &negative}});
+  expect_refused(run(lit_by("sky.exr")),
+                 {"truescatter: e.toml:11:7: 'light.map' must be finite and not negative, but ",
+                  "sky.exr is not at column 3, row 2"});
+}
+
 TEST_F(CliErrors, AMaskThatLeavesNoSkin) {
   write_png(folder_.path() / "mask.png", Image(4, 4, 1, 0.0F));
   expect_refused(run(with(kTiny, "[scene.parameters]", "skin_mask = \"mask.png\"\n[scene.parameters]")),

@@ -44,6 +44,25 @@ TEST_F(CliRun, ANormalMapEntersThroughTheIrradiance) {
   EXPECT_TRUE(contains(resolved, "normal_map_edge_mm = 1\n")) << resolved;
 }
 
+// A map that is 1 / pi everywhere gives a square that sees half of it the irradiance 1, with occlusion or
+// without; 1 but for the projection's midpoint rule over pixels of 1/32 of a half turn.
+TEST_F(CliRun, AnEnvironmentGivesIrradiance) {
+  const Image map(64, 32, 3, static_cast<float>(1.0 / kPi));
+  write_exr(folder_.path() / "sky.exr", {{"", &map}});
+  for (const std::string extra : {"", "occlusion = false\n"}) {
+    const ProgramResult result =
+        run(with(kTiny, "direction = [0.0, 0.5, 1.0]",
+                 "type = \"environment\"\nmap = \"sky.exr\"\ncolor = [0.5, 1.0, 0.25]\n" + extra));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Json results = json("out/results.json");
+    EXPECT_NEAR(results.at("scene").at("largest_irradiance").get<double>(), 1.0, 5e-3);
+    EXPECT_LT(results.at("scene").at("irradiance_residual").at("p99").get<double>(), 1e-9);
+    EXPECT_LT(results.at("runs").at(0).at("metrics").at("max").get<double>(), 2e-4);
+    const std::string resolved = text("out/experiment.resolved.toml");
+    EXPECT_TRUE(contains(resolved, "sky.exr\"\nrotation_deg = 0\nocclusion = ")) << resolved;
+  }
+}
+
 // Left half red of 188 of 255, about 0.5 in linear light, right half white: it shows in the pictures of the
 // results, and in nothing else.
 TEST_F(CliRun, AnAlbedoShowsInPicturesOnly) {

@@ -61,6 +61,13 @@ position_mm = [1.0, -2.0, 300.0]
 reference_mm = 250.0
 color = 0.1
 
+[[light]]
+type = "environment"
+map = "maps/sky.hdr"
+rotation_deg = 30.0
+occlusion_rays = 256
+color = [1.0, 0.0, 0.0]
+
 [shading]
 tolerance = 0.05
 floor_mm = 0.7
@@ -168,7 +175,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.scene.normal_map_green, "down");
   EXPECT_EQ(spec.scene.obtain, "ask\nfor it");
 
-  ASSERT_EQ(spec.lights.size(), 2U);
+  ASSERT_EQ(spec.lights.size(), 3U);
   EXPECT_EQ(spec.lights[0].type, "directional");
   EXPECT_EQ(spec.lights[0].direction, Vec3d(0.3, 0.4, 0.6).normalized());
   EXPECT_EQ(spec.lights[0].color, Vec3d(1.0, 0.5, 0.25));
@@ -178,6 +185,12 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.lights[1].reference_mm, 250.0);
   EXPECT_EQ(spec.lights[1].color, Vec3d(0.1, 0.1, 0.1));
   EXPECT_TRUE(spec.lights[1].shadows);
+  EXPECT_EQ(spec.lights[2].type, "environment");
+  EXPECT_EQ(spec.lights[2].map, "maps/sky.hdr");
+  EXPECT_EQ(spec.lights[2].rotation_deg, 30.0);
+  EXPECT_TRUE(spec.lights[2].occlusion);
+  EXPECT_EQ(spec.lights[2].occlusion_rays, 256);
+  EXPECT_EQ(spec.lights[2].color, Vec3d(1.0, 0.0, 0.0));
 
   EXPECT_EQ(spec.shading.tolerance, 0.05);
   EXPECT_EQ(spec.shading.floor_mm, 0.7);
@@ -195,7 +208,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   ASSERT_EQ(spec.profiles.size(), 3U);
   EXPECT_EQ(spec.profiles[0].name, "skin-six-gaussian");
   EXPECT_TRUE(spec.profiles[0].builtin);
-  EXPECT_EQ(spec.profiles[0].where.line, 51);
+  EXPECT_EQ(spec.profiles[0].where.line, 58);
   EXPECT_FALSE(spec.profiles[1].builtin);
   EXPECT_EQ(spec.profiles[1].delta_weight, Vec3d(0.1, 0.2, 0.3));
   EXPECT_EQ(spec.profiles[1].r_max_mm, 7.5);
@@ -208,7 +221,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_FALSE(spec.profiles[0].of);
   const ProfileModelSpec& slab = spec.profiles[1].of.value();
   EXPECT_EQ(slab.model, "multipole");
-  EXPECT_EQ(slab.where.line, 64);
+  EXPECT_EQ(slab.where.line, 71);
   EXPECT_EQ(slab.material, "");
   EXPECT_EQ(slab.sigma_a_per_mm, Vec3d(0.1, 0.2, 0.4));
   EXPECT_EQ(slab.sigma_s_prime_per_mm, Vec3d(2.0, 2.0, 2.0));
@@ -219,7 +232,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_TRUE(spec.profiles[2].builtin);
   EXPECT_EQ(skin.model, "better-dipole");
   EXPECT_EQ(skin.material, "skin2");
-  EXPECT_EQ(skin.material_where.line, 75);
+  EXPECT_EQ(skin.material_where.line, 82);
   EXPECT_EQ(skin.tolerance, 1e-5);
 
   ASSERT_EQ(spec.methods.size(), 2U);
@@ -229,7 +242,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.methods[1].label, "pscbf-7");
   EXPECT_EQ(std::get<double>(spec.methods[1].settings.at("taps")), 7.0);
   EXPECT_EQ(std::get<std::string>(spec.methods[1].settings.at("placement")), "centroid");
-  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 84);
+  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 91);
 
   EXPECT_EQ(spec.truth.tolerance, 1e-9);
   EXPECT_EQ(spec.truth.audit_points, 300);
@@ -312,6 +325,9 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
     EXPECT_EQ(a.lights[i].reference_mm, b.lights[i].reference_mm);
     EXPECT_EQ(a.lights[i].color, b.lights[i].color);
     EXPECT_EQ(a.lights[i].shadows, b.lights[i].shadows);
+    EXPECT_EQ(a.lights[i].rotation_deg, b.lights[i].rotation_deg);
+    EXPECT_EQ(a.lights[i].occlusion, b.lights[i].occlusion);
+    EXPECT_EQ(a.lights[i].occlusion_rays, b.lights[i].occlusion_rays);
   }
   EXPECT_EQ(a.shading.tolerance, b.shading.tolerance);
   EXPECT_EQ(a.shading.floor_mm, b.shading.floor_mm);
@@ -385,6 +401,7 @@ TEST_F(ExperimentSpecTest, AResolvedFileGivesTheSameExperiment) {
   EXPECT_EQ(again.scene.skin_mask, (folder_.path() / "masks/skin.png").string());
   EXPECT_EQ(again.scene.albedo, (folder_.path() / "maps/albedo.png").string());
   EXPECT_EQ(again.scene.normal_map, (folder_.path() / "maps/normal.png").string());
+  EXPECT_EQ(again.lights[2].map, (folder_.path() / "maps/sky.hdr").string());
 }
 
 // Normalising a normalised vector moves its last bits for many directions: a resolved file must not.

@@ -90,9 +90,10 @@ TEST(Cost, PscbfReadsNoPositionOffTheSkin) {
 //   uv_irradiance, uv_stretch   none
 //   fill_gutter, each map       per texel source                                        1
 //   first.frag                  irradiance                                              1
-//   texture_space.frag, 2 x     per texel source, stretch, six bilinear taps of four    26   (25: stretch
-//   off) gather.frag                 irradiance, uv (8 bytes), bilinear level                1 + 1 + 4; off
-//   skin 1
+//   texture_space.frag, 2 x     per texel source, stretch, six bilinear taps of four    26
+//                               without the stretch map                                 25
+//   gather.frag                 irradiance, uv (8 bytes), bilinear level                1 + 1 + 4
+//                               off the skin                                            1
 // With three levels: 4 + 1 + 3 * 3 = 14 passes, 12 without the stretch map.
 TEST(Cost, TextureSpaceChargesUvByItsFormat) {
   const Scene scene = square(60.0, 80.0, 32);

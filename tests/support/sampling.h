@@ -1,25 +1,10 @@
 #pragma once
 
-#include <random>
-
 #include "irradiance/mesh_point.h"
+#include "support/random.h"
 #include "truth/surface.h"
 
 namespace truescatter::test {
-
-// In [0, 1), the same on every platform.
-inline double uniform(std::mt19937_64& generator) {
-  return static_cast<double>(generator() >> 11U) * 0x1.0p-53;
-}
-
-inline double uniform(std::mt19937_64& generator, double low, double high) {
-  return low + (high - low) * uniform(generator);
-}
-
-// In the cube [-size, size)^3.
-inline Vec3d random_vec(std::mt19937_64& generator, double size) {
-  return {uniform(generator, -size, size), uniform(generator, -size, size), uniform(generator, -size, size)};
-}
 
 // Corners in that cube, irradiance in [0, 1).
 inline SurfaceTriangle random_triangle(std::mt19937_64& generator, double size) {
@@ -29,12 +14,6 @@ inline SurfaceTriangle random_triangle(std::mt19937_64& generator, double size) 
     triangle.irradiance[c] = random_vec(generator, 1.0).cwiseAbs();
   }
   return triangle;
-}
-
-inline Vec3d random_barycentric(std::mt19937_64& generator) {
-  Vec3d b;
-  for (double& share : b) share = uniform(generator);
-  return b / b.sum();
 }
 
 }  // namespace truescatter::test
