@@ -110,8 +110,8 @@ const std::vector<BuiltinEnvironment>& builtin_environments() {
        }},
       {"side-key", "one soft warm key from the side of +x, and a dim cool fill",
        [](const Vec3d& d) -> Vec3d {
-         const double toward = d.dot(Vec3d(0.9, 0.35, 0.35).normalized());
-         return Vec3d(0.04, 0.045, 0.055) + std::exp(4.0 * (toward - 1.0)) * Vec3d(0.95, 0.85, 0.7);
+         const double toward = d.dot(Vec3d(1.0, 0.3, 0.15).normalized());
+         return Vec3d(0.015, 0.018, 0.025) + std::exp(4.0 * (toward - 1.0)) * Vec3d(0.95, 0.85, 0.7);
        }},
       {"sunset", "a red glow low in front, under a violet sky",
        [](const Vec3d& d) -> Vec3d {
