@@ -31,10 +31,18 @@ struct SceneSpec {
   SourceLocation normal_map_where;
   double normal_map_strength = 1.0;     // multiplies its slope
   std::string normal_map_green = "up";  // up: along v | down: against it
-  // Path of a colour texture in UV; empty: white. It multiplies light after the scattering, in pictures for
-  // the eye only: exitance, errors and FLIP are without it.
+  // Path of a colour texture in UV, a; empty: white. a^m multiplies the irradiance before the scattering, for
+  // the truth and every method alike; a^(1 - m) multiplies light after it, in pictures for the eye and in the
+  // `textured` errors: exitance, maps, all other errors and FLIP are without that part.
   std::string albedo;
   SourceLocation albedo_where;
+  std::string texturing = "after";  // after: m = 0 | before: m = 1 | mix: m = texturing_mix
+  double texturing_mix = 0.5;
+
+  // m: the share of the albedo, as an exponent, that comes before the scattering.
+  double albedo_exponent_before() const {
+    return texturing == "before" ? 1.0 : texturing == "mix" ? texturing_mix : 0.0;
+  }
   std::string obtain;  // where the data can be had; told when a file is missing
 };
 
@@ -57,6 +65,7 @@ struct ShadingSpec {
   double tolerance = 0.02;  // of the largest irradiance
   double floor_mm = 0.4;
   double normal_map_edge_mm = 0.4;  // with a normal map: longest edge of visible skin; by default the floor
+  double albedo_edge_mm = 0.4;      // the same with an albedo before the scattering
 };
 
 struct ViewSpec {

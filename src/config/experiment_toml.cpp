@@ -49,6 +49,12 @@ SceneSpec read_scene(TomlTable table) {
   }
   scene.albedo = table.text("albedo", "");
   scene.albedo_where = table.where("albedo");
+  scene.texturing = table.one_of("texturing", scene.texturing, {"after", "before", "mix"});
+  if (scene.albedo.empty() && table.has("texturing"))
+    table.fail("texturing", "'scene.texturing' needs a 'scene.albedo'");
+  scene.texturing_mix = table.number("texturing_mix", scene.texturing_mix, 0.0, 1.0);
+  if (scene.texturing != "mix" && table.has("texturing_mix"))
+    table.fail("texturing_mix", "'scene.texturing_mix' needs 'scene.texturing = \"mix\"'");
   scene.obtain = table.text("obtain", "");
   if (scene.mesh.starts_with("builtin:")) {
     for (const char* key : {"unit_mm", "normals", "loop_subdivisions", "flip_v"}) {
@@ -90,13 +96,19 @@ LightSpec read_light(TomlTable table) {
   return light;
 }
 
-ShadingSpec read_shading(TomlTable table, bool has_normal_map) {
+ShadingSpec read_shading(TomlTable table, const SceneSpec& scene) {
   ShadingSpec shading;
   shading.tolerance = table.number("tolerance", shading.tolerance, 1e-6, 1.0);
   shading.floor_mm = table.number("floor_mm", shading.floor_mm, 1e-4, 1e6);
   shading.normal_map_edge_mm = table.number("normal_map_edge_mm", shading.floor_mm, 1e-4, 1e6);
-  if (!has_normal_map && table.has("normal_map_edge_mm"))
+  if (scene.normal_map.empty() && table.has("normal_map_edge_mm"))
     table.fail("normal_map_edge_mm", "'shading.normal_map_edge_mm' needs a 'scene.normal_map'");
+  shading.albedo_edge_mm = table.number("albedo_edge_mm", shading.floor_mm, 1e-4, 1e6);
+  if (scene.albedo_exponent_before() == 0.0 && table.has("albedo_edge_mm")) {
+    table.fail("albedo_edge_mm",
+               "'shading.albedo_edge_mm' needs a 'scene.albedo' with a part before the scattering "
+               "('scene.texturing')");
+  }
   table.finish();
   return shading;
 }
@@ -336,7 +348,7 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   for (const TomlTable& table : root.tables("light")) spec.lights.push_back(read_light(table));
   if (spec.lights.empty())
     root.fail("light", "'light' is missing: an experiment needs at least one [[light]]");
-  spec.shading = read_shading(root.table("shading"), !spec.scene.normal_map.empty());
+  spec.shading = read_shading(root.table("shading"), spec.scene);
   for (const TomlTable& table : root.tables("view")) spec.views.push_back(read_view(table));
   if (spec.views.empty()) root.fail("view", "'view' is missing: an experiment needs at least one [[view]]");
   for (const TomlTable& table : root.tables("profile")) spec.profiles.push_back(read_profile(table));
@@ -440,7 +452,10 @@ std::string scene_toml(const ExperimentSpec& spec) {
             line("normal_map_strength", scene.normal_map_strength) +
             line("normal_map_green", scene.normal_map_green);
   }
-  if (!scene.albedo.empty()) text += line("albedo", portable(scene.albedo));
+  if (!scene.albedo.empty()) {
+    text += line("albedo", portable(scene.albedo)) + line("texturing", scene.texturing);
+    if (scene.texturing == "mix") text += line("texturing_mix", scene.texturing_mix);
+  }
   if (!scene.obtain.empty()) text += line("obtain", scene.obtain);
   if (!scene.parameters.empty()) text += "[scene.parameters]\n";
   for (const auto& [key, value] : scene.parameters) text += line(key, value);
@@ -486,6 +501,7 @@ std::string to_toml(const ExperimentSpec& spec) {
   text +=
       "\n[shading]\n" + line("tolerance", spec.shading.tolerance) + line("floor_mm", spec.shading.floor_mm);
   if (!spec.scene.normal_map.empty()) text += line("normal_map_edge_mm", spec.shading.normal_map_edge_mm);
+  if (spec.scene.albedo_exponent_before() > 0.0) text += line("albedo_edge_mm", spec.shading.albedo_edge_mm);
   for (const ViewSpec& view : spec.views) text += view_toml(view);
   for (const ProfileSpec& profile : spec.profiles) text += profile_toml(profile);
   for (const MethodSpec& method : spec.methods) text += method_toml(method);

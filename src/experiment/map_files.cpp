@@ -1,6 +1,7 @@
 #include "experiment/map_files.h"
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "core/image_io.h"
@@ -15,8 +16,7 @@ using Job = std::function<void()>;
 
 // What is shown of an exitance: with the albedo after the scattering.
 Image rendered_picture(Image exitance, const Image& albedo, double exposure) {
-  for (std::size_t i = 0; i < albedo.data().size(); ++i) exitance.data()[i] *= albedo.data()[i];
-  return display_picture(exitance, exposure);
+  return display_picture(textured(std::move(exitance), albedo), exposure);
 }
 
 // What has to be written for one view; each job is one file.
@@ -63,6 +63,11 @@ void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, double ra
 }
 
 }  // namespace
+
+Image textured(Image exitance, const Image& albedo) {
+  for (std::size_t i = 0; i < albedo.data().size(); ++i) exitance.data()[i] *= albedo.data()[i];
+  return exitance;
+}
 
 void write_maps(const std::list<ViewMaps>& views, const std::filesystem::path& folder, double range,
                 double exposure) {

@@ -28,10 +28,13 @@ struct ViewMaps {
   Image irradiance;
   Image mask;      // skin
   Image measured;  // skin with mass enough to be measured
-  Image albedo;    // empty where there is none
+  Image albedo;    // what of it comes after the scattering; empty where nothing does
   std::list<Truth> truths;
   std::list<Run> runs;
 };
+
+// An exitance times what of the albedo comes after the scattering; as it is where that is empty.
+Image textured(Image exitance, const Image& albedo);
 
 // Writes every view's pictures into `folder`, in parallel: PNG for the eye and EXR with the numbers.
 // `range`: the end of the error maps' colours. `exposure`: what turns the brightest irradiance into white.

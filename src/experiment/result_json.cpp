@@ -81,7 +81,12 @@ json scene_json(const ExperimentSpec& spec, const PreparedScene& scene) {
                             {"green", spec.scene.normal_map_green},
                             {"edge_mm", spec.shading.normal_map_edge_mm}};
   }
-  if (!spec.scene.albedo.empty()) object["albedo"] = spec.scene.albedo;
+  if (!spec.scene.albedo.empty()) {
+    object["albedo"] = spec.scene.albedo;
+    const double before = spec.scene.albedo_exponent_before();
+    object["texturing"] = {{"where", spec.scene.texturing}, {"exponent_before", before}};
+    if (before > 0.0) object["texturing"]["edge_mm"] = spec.shading.albedo_edge_mm;
+  }
   if (!scene.uvs) {
     object["uv"] = nullptr;
     return object;

@@ -149,15 +149,22 @@ NormalMap load_normal_map(const ExperimentSpec& spec, const Mesh& mesh) {
 UvTexture load_albedo(const ExperimentSpec& spec, bool has_uvs) {
   const SceneSpec& scene = spec.scene;
   if (scene.albedo.empty()) return {};
-  return UvTexture(load_texture(spec, has_uvs, {"albedo", scene.albedo, scene.albedo_where}, 3,
-                                [](const std::filesystem::path& path) { return read_linear_colours(path); }));
+  Image image = load_texture(spec, has_uvs, {"albedo", scene.albedo, scene.albedo_where}, 3,
+                             [](const std::filesystem::path& path) { return read_linear_colours(path); });
+  if (std::any_of(image.data().begin(), image.data().end(), [](float value) { return value < 0.0F; })) {
+    throw_input_error(scene.albedo_where, "'scene.albedo' must not be negative, but {} holds such a value",
+                      scene.albedo);
+  }
+  return UvTexture(std::move(image));
 }
 
 RefinementSettings refinement_of(const ExperimentSpec& spec) {
   RefinementSettings settings{spec.shading.tolerance, spec.shading.floor_mm};
-  if (spec.scene.normal_map.empty()) return settings;
+  if (!spec.scene.normal_map.empty()) settings.visible_edge_mm = spec.shading.normal_map_edge_mm;
+  if (spec.scene.albedo_exponent_before() > 0.0)
+    settings.visible_edge_mm = std::min(settings.visible_edge_mm, spec.shading.albedo_edge_mm);
+  if (!std::isfinite(settings.visible_edge_mm)) return settings;
   for (const ViewSpec& view : spec.views) settings.views.push_back(camera_of(view));
-  settings.visible_edge_mm = spec.shading.normal_map_edge_mm;
   return settings;
 }
 
@@ -175,7 +182,8 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   const SkinMask mask = load_mask(spec, scene.mesh.has_uvs());
   std::vector<Light> lights;
   for (const LightSpec& light : spec.lights) lights.push_back(light_of(spec, light));
-  const Lighting lighting(scene.mesh, lights, load_normal_map(spec, scene.mesh));
+  const Lighting lighting(scene.mesh, lights, load_normal_map(spec, scene.mesh),
+                          {scene.albedo, spec.scene.albedo_exponent_before()});
   if (!std::isfinite(lighting.largest_possible())) {
     throw_input_error({spec.file.string()},
                       "a point light lies on the mesh, where its irradiance has no bound");

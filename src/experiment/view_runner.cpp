@@ -136,9 +136,9 @@ struct Comparison {
   const ViewedModel* model;  // null where the profile approximates nothing
 };
 
-// The albedo behind every pixel; empty without one.
-Image albedo_of_view(const PreparedScene& scene, const FrameImages& images) {
-  if (scene.albedo.empty()) return {};
+// What of the albedo comes after the scattering, a^exponent, behind every pixel; empty without one.
+Image albedo_of_view(const PreparedScene& scene, const FrameImages& images, double exponent) {
+  if (scene.albedo.empty() || exponent == 0.0) return {};
   Image albedo(images.mask.width(), images.mask.height(), 3);
   for (int y = 0; y < albedo.height(); ++y) {
     for (int x = 0; x < albedo.width(); ++x) {
@@ -148,7 +148,7 @@ Image albedo_of_view(const PreparedScene& scene, const FrameImages& images) {
       Vec2d uv = Vec2d::Zero();
       for (std::size_t c = 0; c < 3; ++c)
         uv += at.barycentric[static_cast<Eigen::Index>(c)] * triangle.uvs[c];
-      albedo.set_rgb(x, y, scene.albedo.rgb(uv));
+      albedo.set_rgb(x, y, power(scene.albedo.rgb(uv), exponent));
     }
   }
   return albedo;
@@ -171,7 +171,7 @@ class ViewRunner {
     maps_.irradiance = images_.irradiance;
     maps_.mask = images_.mask;
     maps_.measured = images_.mask;
-    maps_.albedo = albedo_of_view(setup.scene, images_);
+    maps_.albedo = albedo_of_view(setup.scene, images_, 1.0 - setup.spec.scene.albedo_exponent_before());
   }
 
   ViewMaps run() {
@@ -344,6 +344,10 @@ class ViewRunner {
         metrics_json(exitance, {truth.image.rgb, truth.mask, contours_, against.profile.widest_std_dev_mm(),
                                 mm_per_px(), against.flip, setup_.exposure()});
     put_distinguishable(run, truth);
+    if (setup_.spec.scene.albedo.empty()) return;
+    // What leaves the surface with all of its albedo: in this, texturing before and after can be compared.
+    run["textured"] = {{"metrics", error_stats_json(textured(exitance, maps_.albedo),
+                                                    textured(truth.image.rgb, maps_.albedo), truth.mask)}};
   }
 
   // Below the truth's uncertainty nothing can be told from the truth; nor below the doubt about what is

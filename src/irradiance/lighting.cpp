@@ -29,8 +29,9 @@ double squared_distance_to_mesh(const Mesh& mesh, const Vec3d& position) {
 
 }  // namespace
 
-Lighting::Lighting(const Mesh& mesh, const std::vector<Light>& lights, NormalMap normal_map)
-    : mesh_(mesh), normal_map_(std::move(normal_map)), shadows_(mesh) {
+Lighting::Lighting(const Mesh& mesh, const std::vector<Light>& lights, NormalMap normal_map,
+                   SurfaceAlbedo albedo)
+    : mesh_(mesh), normal_map_(std::move(normal_map)), albedo_(std::move(albedo)), shadows_(mesh) {
   Vec3d bound = Vec3d::Zero();
   for (const Light& light : lights) {
     if (light.kind != LightKind::environment) {
@@ -72,7 +73,7 @@ Vec3d Lighting::smooth_irradiance(const MeshPoint& point) const {
 }
 
 Vec3d Lighting::irradiance(const MeshPoint& point) const {
-  return irradiance(point, normal_map_.normal(mesh_, point));
+  return albedo_.value(mesh_, point).cwiseProduct(irradiance(point, normal_map_.normal(mesh_, point)));
 }
 
 Vec3d Lighting::irradiance(std::span<const MeshPoint> place) const {
@@ -86,7 +87,9 @@ Vec3d Lighting::irradiance(std::span<const MeshPoint> place) const {
     normals.push_back(normal);
     sum += normal;
   }
-  return irradiance(place.front(), normals.size() == 1 ? normals.front() : sum.stableNormalized());
+  return albedo_.value(mesh_, place)
+      .cwiseProduct(
+          irradiance(place.front(), normals.size() == 1 ? normals.front() : sum.stableNormalized()));
 }
 
 Vec3d Lighting::irradiance(const MeshPoint& point, const Vec3d& normal) const {

@@ -18,9 +18,9 @@ void label_skin(ShadingMesh& shading, const SkinMask& mask) {
   }
 }
 
-// Replaces the smooth lighting of every corner by that of the mapped normals. The corners around a vertex
-// that share an interpolated normal share the value.
-void apply_normal_map(ShadingMesh& shading, const Lighting& lighting) {
+// Replaces the smooth lighting of every corner by that with the normal map and the albedo. The corners around
+// a vertex that share an interpolated normal share the value.
+void apply_maps(ShadingMesh& shading, const Lighting& lighting) {
   const CornersByVertex corners(shading.positions_mm.size(), shading.triangles.size(),
                                 [&](std::size_t t) { return shading.triangles[t].vertices; });
   parallel_for(shading.positions_mm.size(), [&](std::size_t vertex) {
@@ -63,7 +63,7 @@ ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const 
   ShadingMesh shading;
   shading.has_uvs = mesh.has_uvs();
   refine(shading, mesh, lighting, mask, settings);
-  if (lighting.has_normal_map()) apply_normal_map(shading, lighting);
+  if (lighting.has_maps()) apply_maps(shading, lighting);
   label_skin(shading, mask);
   label_components(shading);
   return shading;

@@ -59,9 +59,10 @@ struct RefinementSettings {
 // edge is split for both its triangles; the longest edge of a triangle is split before any other of it
 // (Rivara's closure), so that angles stay bounded.
 //
-// A normal map is finer than any shadow edge and as fine everywhere: the lighting that asks for splits is the
-// smooth one, without it, and `visible_edge_mm` bounds the edges where its relief is looked at. The corners'
-// irradiance is that of the mapped normals; a vertex has one value for all the charts that meet there.
+// A normal map, or an albedo, is finer than any shadow edge and as fine everywhere: the lighting that asks
+// for splits is the smooth one, without them, and `visible_edge_mm` bounds the edges where they are looked
+// at. The corners' irradiance is that of the mapped normals, times the albedo; a vertex has one value for all
+// the charts that meet there.
 ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
                               const RefinementSettings& settings);
 

@@ -217,6 +217,11 @@ TEST_F(CliErrors, AnAlbedoThatCannotBeUsed) {
   expect_refused(run(coloured), {"truescatter: e.toml:5:10: no such file: ", "a.png"});
   write_png(folder_.path() / "a.png", Image(4, 4, 1, 0.5F));
   expect_refused(run(coloured), {"truescatter: e.toml:5:10: 'scene.albedo' needs red, green and blue, but "});
+  const std::string linear = with(kTiny, "[scene.parameters]", "albedo = \"a.exr\"\n[scene.parameters]");
+  Image negative(4, 4, 3, 0.5F);
+  negative.at(2, 1, 0) = -0.1F;
+  write_exr(folder_.path() / "a.exr", {{"", &negative}});
+  expect_refused(run(linear), {"truescatter: e.toml:5:10: 'scene.albedo' must not be negative, but a.exr "});
   folder_.write("a.obj", kSquareObj);
   expect_refused(run(with(kMeshFile, "obtain", "albedo = \"a.png\"\nobtain")),
                  {"truescatter: e.toml:5:10: ", "'scene.albedo' is a texture in UV, but a.obj has no UVs"});

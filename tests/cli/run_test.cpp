@@ -97,6 +97,69 @@ TEST_F(CliRun, AnAlbedoShowsInPicturesOnly) {
   }
 }
 
+// Half red of 188 of 255, about 0.5 in linear light, as above. Where the albedo comes before the scattering
+// the truth blurs its edge; where it comes after, nothing does. Away from the edge the picture is the same.
+TEST_F(CliRun, TexturingBeforeAfterAndSplit) {
+  Image albedo(128, 128, 3, 1.0F);
+  for (int y = 0; y < 128; ++y) {
+    for (int x = 0; x < 64; ++x) albedo.set_rgb(x, y, Vec3d(188.0, 0.0, 0.0) / 255.0);
+  }
+  write_png(folder_.path() / "a.png", albedo);
+  const double half = srgb_decode(188.0 / 255.0);
+  const std::map<std::string, double> exponents = {{"after", 0.0}, {"mix", 0.5}, {"before", 1.0}};
+  for (const auto& [where, before] : exponents) {
+    const ProgramResult result =
+        run(with(with(with(kTiny, "size_mm = 20.0", "size_mm = 40.0"), "[scene.parameters]",
+                      "albedo = \"a.png\"\ntexturing = \"" + where + "\"\n[scene.parameters]"),
+                 "[[view]]", "[shading]\nfloor_mm = 0.5\n[[view]]"));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Json results = json("out/results.json");
+    const Json& texturing = results.at("scene").at("texturing");
+    EXPECT_EQ(texturing.at("where"), where);
+    EXPECT_EQ(texturing.at("exponent_before"), before);
+    EXPECT_EQ(texturing.contains("edge_mm"), before > 0.0);
+    // The square has one irradiance, E; what scatters is E a^m. Pixels are 17.5 / 48 = 0.365 mm wide, the
+    // edge lies between 23 and 24, red is blurred by s = sqrt(2.3) = 1.517 mm but for the spike, 0.15. Pixel
+    // 1 is 5.4 s away from the edge, and farther from the square's border, where a texture begins again:
+    // nothing of either is seen there. Truths are good to 1e-4.
+    const Image truth = read_exr_layer(folder_.path() / "out/maps/front.spike-and-base.truth.exr", "");
+    const Image light = read_exr_layer(folder_.path() / "out/maps/front.spike-and-base.none.exr", "");
+    const double right = light.at(46, 24, 0);
+    EXPECT_NEAR(light.at(1, 24, 0), right * std::pow(half, before), 1e-5 * right);
+    EXPECT_NEAR(truth.at(1, 24, 0), right * std::pow(half, before), 2e-4 * right);
+    // From pixel 23 to 24 the truth rises by (0.15 + 0.85 erf(0.182 / s sqrt 2)) = 0.231 of the step if that
+    // is sharp, and less if not. It is a ramp of a texel, 0.31 mm, interpolated over edges of 0.5 mm: within
+    // 0.66 mm of the middle. Its blur's slope is that of a Gaussian at most 0.84 mm off: 0.226 per mm,
+    // and 0.85 * 0.365 * 0.226 = 0.070.
+    const double step = 1.0 - std::pow(half, before);
+    const double across = static_cast<double>(truth.at(24, 24, 0) - truth.at(23, 24, 0)) / right;
+    EXPECT_LE(across, 0.231 * step + 2e-4) << where;
+    EXPECT_GE(across, 0.07 * step - 2e-4) << where;
+    // All of the albedo is in what is shown, wherever it came in.
+    const Image picture = read_image(folder_.path() / "out/maps/front.spike-and-base.truth.png");
+    EXPECT_NEAR(picture.at(1, 24, 0), 188.0 / 255.0, 1.5 / 255.0) << where;
+    EXPECT_NEAR(picture.at(46, 24, 0), 1.0, 1.5 / 255.0) << where;
+    // Errors with the rest of it are no larger, for it is at most 1; with nothing left they are the same.
+    for (const Json& run : results.at("runs")) {
+      const double plain = run.at("metrics").at("channels").at("r").at("rmse").get<double>();
+      const double textured =
+          run.at("textured").at("metrics").at("channels").at("r").at("rmse").get<double>();
+      EXPECT_LE(textured, plain);
+      if (before == 1.0) {
+        EXPECT_EQ(textured, plain);
+      }
+    }
+    // Pixel 21, 0.91 mm from the edge and off the ramp, lacks 0.85 Phi(-0.91 / s) = 0.233 of the step without
+    // scattering; the ramp's spread, a variance of 0.66^2 / 3 on 2.3 at most, adds to it if anything.
+    const double none = results.at("runs").at(0).at("metrics").at("channels").at("r").at("max").get<double>();
+    if (before == 0.0) {
+      EXPECT_LT(none, 2e-4);
+    } else {
+      EXPECT_GT(none, 0.23 * step * right);
+    }
+  }
+}
+
 // A profile that multiplies light multiplies the error of its Gaussians too.
 TEST_F(CliRun, WeightsAboveOneMultiplyTheUncertainty) {
   const ProgramResult result =

@@ -331,6 +331,9 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
   }
   EXPECT_EQ(a.shading.tolerance, b.shading.tolerance);
   EXPECT_EQ(a.shading.floor_mm, b.shading.floor_mm);
+  EXPECT_EQ(a.scene.texturing, b.scene.texturing);
+  EXPECT_EQ(a.scene.texturing_mix, b.scene.texturing_mix);
+  EXPECT_EQ(a.shading.albedo_edge_mm, b.shading.albedo_edge_mm);
   EXPECT_EQ(a.scene.normal_map_strength, b.scene.normal_map_strength);
   EXPECT_EQ(a.scene.normal_map_green, b.scene.normal_map_green);
   EXPECT_EQ(a.shading.normal_map_edge_mm, b.shading.normal_map_edge_mm);
@@ -402,6 +405,29 @@ TEST_F(ExperimentSpecTest, AResolvedFileGivesTheSameExperiment) {
   EXPECT_EQ(again.scene.albedo, (folder_.path() / "maps/albedo.png").string());
   EXPECT_EQ(again.scene.normal_map, (folder_.path() / "maps/normal.png").string());
   EXPECT_EQ(again.lights[2].map, (folder_.path() / "maps/sky.hdr").string());
+}
+
+TEST_F(ExperimentSpecTest, ReadsWhereTheAlbedoEnters) {
+  const ExperimentSpec after = read(kFull);
+  EXPECT_EQ(after.scene.texturing, "after");
+  EXPECT_EQ(after.scene.albedo_exponent_before(), 0.0);
+  const auto textured = [&](const std::string& keys, const std::string& shading) {
+    std::string text = kFull;
+    const std::string albedo = "albedo = \"maps/albedo.png\"\n";
+    text.replace(text.find(albedo), albedo.size(), albedo + keys);
+    const std::string floor = "floor_mm = 0.7\n";
+    text.replace(text.find(floor), floor.size(), floor + shading);
+    return text;
+  };
+  const ExperimentSpec before = read(textured("texturing = \"before\"\n", ""));
+  EXPECT_EQ(before.scene.albedo_exponent_before(), 1.0);
+  EXPECT_EQ(before.shading.albedo_edge_mm, 0.7);  // the floor
+  const ExperimentSpec mix =
+      read(textured("texturing = \"mix\"\ntexturing_mix = 0.25\n", "albedo_edge_mm = 0.5\n"));
+  EXPECT_EQ(mix.scene.albedo_exponent_before(), 0.25);
+  EXPECT_EQ(mix.shading.albedo_edge_mm, 0.5);
+  EXPECT_EQ(read(textured("texturing = \"mix\"\n", "")).scene.albedo_exponent_before(), 0.5);
+  for (const ExperimentSpec& spec : {before, mix}) expect_same(read(to_toml(spec)), spec);
 }
 
 // Normalising a normalised vector moves its last bits for many directions: a resolved file must not.

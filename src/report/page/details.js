@@ -47,9 +47,7 @@ function sceneCard() {
         ],
         [
           "Albedo",
-          scene.albedo ? `${scene.albedo}. It multiplies the pictures of the truth and the methods after the ` +
-                             "scattering, and nothing else: every number, map and FLIP is without it." :
-                         null
+          scene.albedo ? `${scene.albedo}. ${albedoUse(scene.texturing || {exponent_before: 0})}` : null
         ],
         ["Largest irradiance", number(scene.largest_irradiance)],
         [
@@ -59,6 +57,18 @@ function sceneCard() {
                   number(residual.floor_mm)} mm. Never added to an error.`
         ]
       ]));
+}
+
+// Where the albedo enters, and what the numbers are of.
+function albedoUse(texturing) {
+  const before = texturing.exponent_before;
+  const irradiance = `Its power ${number(before)} multiplies the irradiance before the scattering, at the ` +
+      `shading mesh\u2019s vertices, for the truth and the methods alike; skin in view has edges of ${
+                         number(texturing.edge_mm)} mm at most.`;
+  if (before === 1) return `${irradiance} Nothing of it is left for after the scattering.`;
+  const after = before > 0 ? `${irradiance} Its power ${number(1 - before)}` : "It";
+  return `${after} multiplies the pictures of the truth and the methods after the scattering; every number, ` +
+      "map and FLIP here is without that. results.json has the errors with it, too (textured).";
 }
 
 // Millimetres per texel of every texture size that a run was given.
