@@ -604,7 +604,7 @@ TEST_F(CliRun, AMeshThatCarriesNoGeodesicsIsMeasuredWithoutThem) {
   EXPECT_TRUE(texture_space.at("metrics").at("rmse").is_number());
   EXPECT_TRUE(texture_space.at("own_target").at("metrics").is_null());
   const std::string reason = texture_space.at("own_target").at("metrics_reason");
-  EXPECT_TRUE(reason.starts_with("the mesh carries no geodesics: triangles ")) << reason;
+  EXPECT_TRUE(reason.starts_with("the mesh carries no geodesics: fin.obj: triangles ")) << reason;
 }
 
 TEST_F(CliRun, ReportWritesTheReportAgain) {
