@@ -139,6 +139,20 @@ struct ThresholdSpec {
   SourceLocation where;
 };
 
+// A chain of assumptions, each a rung: a truth or a method's result that differs from the rung above by one
+// assumption. What each adds is measured under every profile in every view.
+struct LadderSpec {
+  struct Rung {
+    // A truth, normalised: whole | cut (at the profile's r_max) | cut-visible (and of the visible surface
+    // alone) | geodesic; empty: a method
+    std::string truth;
+    std::string method;  // a method's label
+    std::string assumption;
+  };
+  std::string name;
+  std::vector<Rung> rungs;
+};
+
 struct ExperimentSpec {
   std::filesystem::path file;
   std::string name;
@@ -154,6 +168,7 @@ struct ExperimentSpec {
   TruthSpec truth;
   TimingSpec timing;
   std::vector<ThresholdSpec> thresholds;
+  std::vector<LadderSpec> ladders;
 };
 
 // Reads an experiment file and applies overrides "a.b=c" (an entry of an array is named by its `name` or its

@@ -252,6 +252,15 @@ TimingSpec read_timing(TomlTable table) {
   return timing;
 }
 
+// `key`, the dotted name of what holds `label`, must name a method of the experiment.
+void require_label(const TomlTable& table, const std::string& key, const std::string& label,
+                   const std::vector<MethodSpec>& methods) {
+  const bool known =
+      std::any_of(methods.begin(), methods.end(), [&](const MethodSpec& m) { return m.label == label; });
+  if (!known)
+    table.fail("method", fmt::format("'{}' is \"{}\", which is no method's label here", key, label));
+}
+
 ThresholdSpec read_threshold(TomlTable table) {
   ThresholdSpec threshold;
   threshold.where = table.where();
@@ -261,6 +270,30 @@ ThresholdSpec read_threshold(TomlTable table) {
   threshold.maximum = table.number("maximum", 0.0, kHuge);
   table.finish();
   return threshold;
+}
+
+LadderSpec read_ladder(TomlTable table, const std::vector<MethodSpec>& methods) {
+  LadderSpec ladder;
+  ladder.name = table.text("name");
+  check_file_name(table, "name", "ladder.name", ladder.name);
+  for (TomlTable& entry : table.tables("rung")) {
+    LadderSpec::Rung rung;
+    if (entry.has("truth") == entry.has("method"))
+      entry.fail(entry.has("truth") ? "truth" : "rung", "a rung is either a 'truth' or a 'method'");
+    if (entry.has("truth")) {
+      rung.truth = entry.one_of("truth", "whole",
+                                {"whole", "cut", "cut-visible", "raw-cut", "raw-cut-visible", "geodesic"});
+    } else {
+      rung.method = entry.text("method");
+      require_label(entry, "ladder.rung.method", rung.method, methods);
+    }
+    rung.assumption = entry.text("assumption");
+    entry.finish();
+    ladder.rungs.push_back(rung);
+  }
+  if (ladder.rungs.size() < 2) table.fail("rung", "a ladder needs at least two [[ladder.rung]]");
+  table.finish();
+  return ladder;
 }
 
 // The value that an override states. What is not TOML is a string: a bare word spares the quotes inside
@@ -359,7 +392,12 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
     root.fail("method", "'method' is missing: an experiment needs at least one [[method]]");
   spec.truth = read_truth(root.table("truth"));
   spec.timing = read_timing(root.table("timing"));
-  for (const TomlTable& table : root.tables("threshold")) spec.thresholds.push_back(read_threshold(table));
+  for (const TomlTable& table : root.tables("threshold")) {
+    spec.thresholds.push_back(read_threshold(table));
+    require_label(table, "threshold.method", spec.thresholds.back().method, spec.methods);
+  }
+  for (const TomlTable& table : root.tables("ladder"))
+    spec.ladders.push_back(read_ladder(table, spec.methods));
 
   check_distinct(root.tables("view"), "views are named",
                  [&](std::size_t i) { return std::pair("name", spec.views[i].name); });
@@ -369,16 +407,8 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   check_distinct(methods, "methods have the label", [&](std::size_t i) {
     return std::pair(methods[i].has("label") ? "label" : "name", spec.methods[i].label);
   });
-  const std::vector<TomlTable> thresholds = root.tables("threshold");
-  for (std::size_t i = 0; i < thresholds.size(); ++i) {
-    const bool known = std::any_of(spec.methods.begin(), spec.methods.end(),
-                                   [&](const MethodSpec& m) { return m.label == spec.thresholds[i].method; });
-    if (!known) {
-      thresholds[i].fail("method",
-                         fmt::format("'threshold.method' is \"{}\", which is no method's label here",
-                                     spec.thresholds[i].method));
-    }
-  }
+  check_distinct(root.tables("ladder"), "ladders are named",
+                 [&](std::size_t i) { return std::pair("name", spec.ladders[i].name); });
   root.finish();
   return spec;
 }
@@ -513,6 +543,14 @@ std::string to_toml(const ExperimentSpec& spec) {
   for (const ThresholdSpec& threshold : spec.thresholds) {
     text += "\n[[threshold]]\n" + line("method", threshold.method) + line("metric", threshold.metric) +
             line("maximum", threshold.maximum);
+  }
+  for (const LadderSpec& ladder : spec.ladders) {
+    text += "\n[[ladder]]\n" + line("name", ladder.name);
+    for (const LadderSpec::Rung& rung : ladder.rungs) {
+      text += "[[ladder.rung]]\n" +
+              (rung.truth.empty() ? line("method", rung.method) : line("truth", rung.truth)) +
+              line("assumption", rung.assumption);
+    }
   }
   return text;
 }

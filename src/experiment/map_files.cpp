@@ -20,8 +20,9 @@ Image rendered_picture(Image exitance, const Image& albedo, double exposure) {
 }
 
 // What has to be written for one view; each job is one file.
-void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, double range, double exposure,
-              std::vector<Job>& jobs) {
+void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, const MapRanges& ranges,
+              double exposure, std::vector<Job>& jobs) {
+  const double range = ranges.errors;
   jobs.emplace_back([&view, maps, exposure] {
     write_png(maps / (view.name + ".irradiance.png"), display_picture(view.irradiance, exposure));
   });
@@ -60,6 +61,20 @@ void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, double ra
       write_exr(maps / (run.stem + ".exr"), layers);
     });
   }
+  for (const ViewMaps::Ladder& ladder : view.ladders) {
+    for (const ViewMaps::Ladder::Step& step : ladder.steps) {
+      jobs.emplace_back([&view, &ladder, &step, maps, ranges] {
+        write_png(maps / step_file(ladder.stem, step.name),
+                  map_picture(step.error, view.measured, MapKind::signed_error, ranges.ladder_steps,
+                              "STEP LUMINANCE"));
+      });
+    }
+    jobs.emplace_back([&view, &ladder, maps] {
+      std::vector<ExrLayer> layers = {{"mask", &view.mask}};
+      for (const ViewMaps::Ladder::Step& step : ladder.steps) layers.push_back({step.name, &step.error});
+      write_exr(maps / (ladder.stem + ".exr"), layers);
+    });
+  }
 }
 
 }  // namespace
@@ -69,10 +84,14 @@ Image textured(Image exitance, const Image& albedo) {
   return exitance;
 }
 
-void write_maps(const std::list<ViewMaps>& views, const std::filesystem::path& folder, double range,
-                double exposure) {
+std::string step_file(const std::string& ladder_stem, const std::string& rung) {
+  return ladder_stem + "." + rung + ".step.png";
+}
+
+void write_maps(const std::list<ViewMaps>& views, const std::filesystem::path& folder,
+                const MapRanges& ranges, double exposure) {
   std::vector<Job> jobs;
-  for (const ViewMaps& view : views) add_jobs(view, folder, range, exposure, jobs);
+  for (const ViewMaps& view : views) add_jobs(view, folder, ranges, exposure, jobs);
   Progress progress("maps", jobs.size());
   parallel_for(jobs.size(), [&](std::size_t i) {
     jobs[i]();

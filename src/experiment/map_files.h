@@ -24,6 +24,16 @@ struct ViewMaps {
     Image profile_error;  // against the truth of the profile itself; empty without one
   };
 
+  // What the assumptions of a ladder add, one after the other.
+  struct Ladder {
+    struct Step {
+      std::string name;  // the rung's
+      Image error;       // signed
+    };
+    std::string stem;
+    std::list<Step> steps;
+  };
+
   std::string name;
   Image irradiance;
   Image mask;      // skin
@@ -31,15 +41,25 @@ struct ViewMaps {
   Image albedo;    // what of it comes after the scattering; empty where nothing does
   std::list<Truth> truths;
   std::list<Run> runs;
+  std::list<Ladder> ladders;
 };
+
+// The name of a step's picture.
+std::string step_file(const std::string& ladder_stem, const std::string& rung);
 
 // An exitance times what of the albedo comes after the scattering; as it is where that is empty.
 Image textured(Image exitance, const Image& albedo);
 
+// Where the colours of error maps end, for all that are compared with each other.
+struct MapRanges {
+  double errors;
+  double ladder_steps;
+};
+
 // Writes every view's pictures into `folder`, in parallel: PNG for the eye and EXR with the numbers.
-// `range`: the end of the error maps' colours. `exposure`: what turns the brightest irradiance into white.
+// `range`: the ends of the error maps' colours. `exposure`: what turns the brightest irradiance into white.
 // Throws Error (run) that names the file that cannot be written.
-void write_maps(const std::list<ViewMaps>& views, const std::filesystem::path& folder, double range,
-                double exposure);
+void write_maps(const std::list<ViewMaps>& views, const std::filesystem::path& folder,
+                const MapRanges& ranges, double exposure);
 
 }  // namespace truescatter

@@ -57,6 +57,7 @@ std::string describe_truth(const std::string& view, const PlannedTruth& truth) {
   if (!truth.own_target_of.empty())
     roles.push_back(fmt::format("own target of {}", fmt::join(truth.own_target_of, ", ")));
   if (truth.extra) roles.emplace_back("extra");
+  if (!truth.rung_of.empty()) roles.push_back(fmt::format("rung of {}", fmt::join(truth.rung_of, ", ")));
   if (!truth.not_computed.empty()) roles.push_back("not computed: " + truth.not_computed);
   return fmt::format(
       "truth {}: {}, {}, {}{}, {} Gaussians; {}\n", truth_id(view, *truth.profile, truth.target),
@@ -91,9 +92,19 @@ Plan make_plan(const ExperimentSpec& spec) {
         {&method, m.label, Settings(method.name, method.settings, m.settings, m.settings_where)});
   }
   plan.no_geodesics = reason_without_geodesics(spec.truth);
+  plan.ladders = spec.ladders;
   if (spec.truth.visible_only) plan.extra_targets.push_back({false, true, std::nullopt, true});
   if (spec.truth.geodesic == "extra") plan.extra_targets.push_back({true, true, std::nullopt});
   return plan;
+}
+
+OwnTarget rung_target(const LadderSpec::Rung& rung, const Profile& profile) {
+  OwnTarget target;
+  target.geodesic = rung.truth == "geodesic";
+  target.normalised = !rung.truth.starts_with("raw");
+  target.visible_only = rung.truth.ends_with("visible");
+  if (rung.truth.find("cut") != std::string::npos) target.r_max_mm = profile.r_max_mm;
+  return target;
 }
 
 bool is_skipped(const PlannedMethod& method, bool has_uvs) { return method.method->needs_uvs && !has_uvs; }
@@ -117,6 +128,11 @@ std::vector<PlannedTruth> planned_truths(const Plan& plan, bool has_uvs) {
       truth_of(m.method->own_target(profile, m.settings)).own_target_of.push_back(m.label);
     }
     for (const OwnTarget& target : plan.extra_targets) truth_of(target).extra = true;
+    for (const LadderSpec& ladder : plan.ladders) {
+      for (const LadderSpec::Rung& rung : ladder.rungs) {
+        if (!rung.truth.empty()) truth_of(rung_target(rung, profile)).rung_of.push_back(ladder.name);
+      }
+    }
   }
   return truths;
 }
@@ -157,6 +173,12 @@ std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const Sc
                     : fmt::format("  run {}: {} + {} frames\n", id, spec.timing.warm_up, spec.timing.repeats);
       }
     }
+  }
+  for (const LadderSpec& ladder : spec.ladders) {
+    std::vector<std::string> rungs;
+    for (const auto& rung : ladder.rungs)
+      rungs.push_back(rung.truth.empty() ? rung.method : "truth " + rung.truth);
+    text += fmt::format("ladder {}: {}\n", ladder.name, fmt::join(rungs, " -> "));
   }
   for (const ThresholdSpec& threshold : spec.thresholds)
     text += fmt::format("threshold {}: {} <= {}\n", threshold.method, threshold.metric, threshold.maximum);

@@ -26,6 +26,7 @@ struct Plan {
   std::vector<PlannedMethod> methods;
   std::vector<OwnTarget> extra_targets;  // every method is measured against these too
   std::string no_geodesics;              // why no geodesic truth is computed; empty: they are
+  std::vector<LadderSpec> ladders;
 
   // What this profile approximates; null where it does not say.
   const ProfileModel* model_of(const Profile& profile) const;
@@ -41,10 +42,14 @@ struct PlannedTruth {
   OwnTarget target;
   std::vector<std::string> own_target_of;  // labels of methods
   bool extra = false;
-  std::string not_computed = {};  // why the experiment does without it; empty: it is computed
+  std::vector<std::string> rung_of = {};  // names of ladders
+  std::string not_computed = {};          // why the experiment does without it; empty: it is computed
 
   bool is_headline() const { return target == OwnTarget{}; }
 };
+
+// The truth that a ladder's rung names, which is no method.
+OwnTarget rung_target(const LadderSpec::Rung& rung, const Profile& profile);
 
 // Whether a method cannot run on a mesh without UVs, which this one is.
 bool is_skipped(const PlannedMethod& method, bool has_uvs);

@@ -18,19 +18,30 @@ namespace {
 
 using nlohmann::json;
 
-// One fixed range for every error map of the experiment: the median over the runs of the 99 % quantile,
-// rounded up. The worst method's maps saturate; scaled to the worst, the good ones would be black.
-double common_range(const json& results) {
-  std::vector<double> quantiles;
-  for (const json& run : results["runs"]) {
-    if (run.contains("metrics") && run["metrics"]["p99"].is_number()) {
-      quantiles.push_back(run["metrics"]["p99"].get<double>());
-    }
-  }
+// The median rounded up; 1 where there is nothing.
+double range_of(std::vector<double> quantiles) {
   if (quantiles.empty()) return 1.0;
   const auto middle = quantiles.begin() + static_cast<std::ptrdiff_t>(quantiles.size() / 2);
   std::nth_element(quantiles.begin(), middle, quantiles.end());
   return *middle > 0.0 ? round_range(*middle) : 1.0;
+}
+
+void add_quantile(const json& measured, const char* what, std::vector<double>& quantiles) {
+  if (measured.contains(what) && measured[what]["p99"].is_number())
+    quantiles.push_back(measured[what]["p99"].get<double>());
+}
+
+// One fixed range for every error map of the experiment: the median over the runs of the 99 % quantile,
+// rounded up. The worst method's maps saturate; scaled to the worst, the good ones would be black. Another
+// one for the steps of ladders, which are smaller.
+MapRanges common_ranges(const json& results) {
+  std::vector<double> errors;
+  for (const json& run : results["runs"]) add_quantile(run, "metrics", errors);
+  std::vector<double> steps;
+  for (const json& ladder : results["ladders"]) {
+    for (const json& rung : ladder.value("rungs", json::array())) add_quantile(rung, "step", steps);
+  }
+  return {range_of(errors), range_of(steps)};
 }
 
 }  // namespace
@@ -59,7 +70,8 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                   {"views", json::array()},
                   {"truths", json::array()},
                   {"fit_errors", json::array()},
-                  {"runs", json::array()}};
+                  {"runs", json::array()},
+                  {"ladders", json::array()}};
   for (const Profile& profile : plan.profiles) {
     results["profiles"].push_back(profile_json(profile));
     if (const ProfileModel* model = plan.model_of(profile))
@@ -68,8 +80,11 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   std::list<ViewMaps> views;
   for (const ViewSpec& view : spec.views) views.push_back(run_view(setup, view, results));
 
-  const double range = common_range(results);
-  results["maps"] = {{"range", range}, {"quantity", "luminance"}, {"exposure", setup.exposure()}};
+  const MapRanges ranges = common_ranges(results);
+  results["maps"] = {{"range", ranges.errors},
+                     {"ladder_range", ranges.ladder_steps},
+                     {"quantity", "luminance"},
+                     {"exposure", setup.exposure()}};
   results["provenance"] = provenance(context);
   const std::vector<std::string> exceeded = exceeded_thresholds(results, spec.thresholds);
   results["exceeded"] = exceeded;
@@ -78,7 +93,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   std::error_code failure;
   std::filesystem::create_directories(maps, failure);
   if (failure) throw_run_error("{}: cannot make this folder: {}", maps.string(), failure.message());
-  write_maps(views, maps, range, setup.exposure());
+  write_maps(views, maps, ranges, setup.exposure());
   write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
   write_text_file(folder / "results.csv", results_csv(results));
   write_text_file(folder / "results.json", results.dump(1) + "\n");

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/progress.h"
+#include "experiment/ladder.h"
 #include "experiment/metrics_json.h"
 #include "experiment/profile_truth.h"
 #include "experiment/result_json.h"
@@ -233,6 +234,8 @@ class ViewRunner {
       measure_method(m, {profile, truths, flip, model ? &*model : nullptr});
       progress.advance();
     }
+    for (const LadderSpec& ladder : setup_.plan.ladders) add_ladder(ladder, profile, truths);
+    drawn_.clear();
     // Maps show what is measured under every profile.
     maps_.measured = measured_mask(std::move(maps_.measured), headline.smallest_mass);
   }
@@ -335,7 +338,56 @@ class ViewRunner {
     }
     if (against.model != nullptr) run["profile_error"] = profile_error(measured.exitance, against);
     add_maps(run, profile.name + "." + planned.label, measured.exitance, against);
+    if (!setup_.plan.ladders.empty()) drawn_[planned.label] = measured.exitance;
     results_["runs"].push_back(run);
+  }
+
+  // A ladder's rungs, or why one of them is missing.
+  struct Rungs {
+    std::vector<LadderRung> all;
+    Image mask;  // what every truth among them measures
+    std::string missing;
+  };
+
+  Rungs rungs_of(const LadderSpec& ladder, const Profile& profile, const ProfileTruths& truths) const {
+    Rungs rungs{{}, truths.headline().mask, ""};
+    for (const LadderSpec::Rung& rung : ladder.rungs) {
+      if (rung.truth.empty()) {
+        const auto drawn = drawn_.find(rung.method);
+        if (drawn == drawn_.end())
+          return {{}, {}, fmt::format("'{}' does not run on this mesh", rung.method)};
+        rungs.all.push_back({rung.method, rung.assumption, &drawn->second});
+        continue;
+      }
+      const ViewedTruth& truth = truths.of(rung_target(rung, profile));
+      if (!truth.missing.empty()) return {{}, {}, truth.missing};
+      rungs.all.push_back({"truth-" + rung.truth, rung.assumption, &truth.image.rgb});
+      rungs.mask = measured_mask(std::move(rungs.mask), truth.image.smallest_mass);
+    }
+    return rungs;
+  }
+
+  void add_ladder(const LadderSpec& ladder, const Profile& profile, const ProfileTruths& truths) {
+    json result = {{"view", name_}, {"profile", profile.name}, {"name", ladder.name}};
+    const Rungs rungs = rungs_of(ladder, profile, truths);
+    if (!rungs.missing.empty()) {
+      result["skipped"] = rungs.missing;
+      results_["ladders"].push_back(result);
+      return;
+    }
+    const Image& first = *rungs.all.front().exitance;
+    const FlipReference flip(exposed(first, setup_.exposure()));
+    result.update(ladder_json(rungs.all, {first, rungs.mask, contours_, profile.widest_std_dev_mm(),
+                                          mm_per_px(), flip, setup_.exposure()}));
+    maps_.ladders.push_back({fmt::format("{}.{}.ladder-{}", name_, profile.name, ladder.name), {}});
+    ViewMaps::Ladder& maps = maps_.ladders.back();
+    for (std::size_t r = 1; r < rungs.all.size(); ++r) {
+      const LadderRung& rung = rungs.all[r];
+      maps.steps.push_back({rung.name, ladder_step(rung, rungs.all[r - 1], rungs.mask)});
+      result["rungs"][r]["files"] = {{"signed", "maps/" + step_file(maps.stem, rung.name)}};
+    }
+    result["files"] = {{"exr", "maps/" + maps.stem + ".exr"}};
+    results_["ladders"].push_back(result);
   }
 
   void add_metrics(json& run, const Image& exitance, const Comparison& against) const {
@@ -418,6 +470,7 @@ class ViewRunner {
   std::map<std::string, ProfileTruth> profile_truths_;  // by the names of the profiles that approximate them
   ContourMap contours_;
   ViewMaps maps_;
+  std::map<std::string, Image> drawn_;  // under the current profile, by the methods' labels; for ladders
 };
 
 }  // namespace

@@ -141,15 +141,16 @@ Picture load_picture(const std::filesystem::path& file, std::size_t index, int m
 
 std::vector<std::string> picture_paths(const json& results, const std::filesystem::path& results_file) {
   std::vector<std::string> paths;
-  const auto add_group = [&](const char* group, const std::vector<const char*>& kinds) {
-    for (const json& item : results.value(group, json::array())) {
+  const auto add_group = [&](const json& of, const char* group, const std::vector<const char*>& kinds) {
+    for (const json& item : of.value(group, json::array())) {
       const json files = item.value("files", json::object());
       for (const char* kind : kinds) add_path(files.value(kind, json()), results_file, paths);
     }
   };
-  add_group("views", {"irradiance"});
-  add_group("truths", {"picture"});
-  add_group("runs", {"picture", "magnitude", "signed"});
+  add_group(results, "views", {"irradiance"});
+  add_group(results, "truths", {"picture"});
+  add_group(results, "runs", {"picture", "magnitude", "signed"});
+  for (const json& ladder : results.value("ladders", json::array())) add_group(ladder, "rungs", {"signed"});
   return paths;
 }
 

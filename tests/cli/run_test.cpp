@@ -422,7 +422,7 @@ scene builtin:plane (edge_mm = 5, size_mm = 20)
 method none: No scattering
 method pscbf: Pseudo-separable cross bilateral filter (placement = median, r_max_mm = 0, sampling = taps, sharing = red, taps = 13, targets = 32-bit)
 method coarse: Pseudo-separable cross bilateral filter (placement = median, r_max_mm = 0, sampling = taps, sharing = red, taps = 5, targets = 32-bit)
-method texture-space: Texture-space diffusion (first_gaussian = blurred, gutter = nearest, stretch = raw, taps = seven, texture_size = 1024)
+method texture-space: Texture-space diffusion (first_gaussian = blurred, gutter = nearest, passes = incremental, reading = bilinear, stretch = raw, taps = seven, texture_size = 1024)
 view front: 48 x 48 px
   truth front/spike-and-base/euclidean-normalised: Euclidean, normalised, not cut, 3 Gaussians; headline; own target of none
   truth front/spike-and-base/euclidean-normalised-r4.5: Euclidean, normalised, cut at 4.5 mm, 3 Gaussians; own target of pscbf, coarse
@@ -605,6 +605,35 @@ TEST_F(CliRun, AMeshThatCarriesNoGeodesicsIsMeasuredWithoutThem) {
   EXPECT_TRUE(texture_space.at("own_target").at("metrics").is_null());
   const std::string reason = texture_space.at("own_target").at("metrics_reason");
   EXPECT_TRUE(reason.starts_with("the mesh carries no geodesics: fin.obj: triangles ")) << reason;
+}
+
+// Each rung is an image; so signed differences add up whatever the rungs are.
+TEST_F(CliRun, LaddersTelescope) {
+  const std::string ladder =
+      "\n[[ladder]]\nname = \"chain\"\n[[ladder.rung]]\ntruth = \"whole\"\nassumption = \"none\"\n"
+      "[[ladder.rung]]\ntruth = \"cut-visible\"\nassumption = \"a cut\"\n"
+      "[[ladder.rung]]\nmethod = \"pscbf\"\nassumption = \"a filter\"\n"
+      "[[ladder.rung]]\nmethod = \"none\"\nassumption = \"nothing at all\"\n";
+  const ProgramResult result = run(with(kTiny, "direction = [0.0, 0.5, 1.0]",
+                                        "type = \"point\"\nposition_mm = [0, 0, 8]\nreference_mm = 8") +
+                                   ladder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  ASSERT_EQ(results.at("ladders").size(), 1U);
+  const Json& chain = results.at("ladders").at(0);
+  ASSERT_EQ(chain.at("rungs").size(), 4U);
+  EXPECT_FALSE(chain.at("rungs").at(0).contains("step"));
+  double sum = 0.0;
+  for (std::size_t r = 1; r < 4; ++r) {
+    const Json& rung = chain.at("rungs").at(r);
+    sum += rung.at("step").at("bias").get<double>();
+    EXPECT_TRUE(exists("out/" + rung.at("files").at("signed").get<std::string>()));
+  }
+  // Sums of some thousand differences of numbers up to 1, each to rounding in double precision.
+  EXPECT_NEAR(sum, chain.at("rungs").at(3).at("so_far").at("bias").get<double>(), 1e-14);
+  EXPECT_LE(chain.at("telescopes").at("largest_gap").get<double>(), 4e-16);
+  EXPECT_GT(std::abs(sum), 1e-4);  // there is something to add up
+  EXPECT_TRUE(exists("out/maps/front.spike-and-base.ladder-chain.exr"));
 }
 
 TEST_F(CliRun, ReportWritesTheReportAgain) {

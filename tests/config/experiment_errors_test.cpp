@@ -108,6 +108,13 @@ const Broken kBroken[] = {
      "unknown key 'shading.floor'"},
     {"UnknownInThreshold", "[timing]", "[[threshold]]\nmethod = \"none\"\nmaximum = 1\nmax = 1\n[timing]",
      ":22:7", "unknown key 'threshold.max'"},
+    {"LadderWithoutRungs", "[timing]", "[[ladder]]\nname = \"a\"\nrungs = 1\n[timing]", ":19:1",
+     "a ladder needs at least two [[ladder.rung]]"},
+    {"UnknownTruthOfARung", "[timing]",
+     "[[ladder]]\nname = \"a\"\n[[ladder.rung]]\ntruth = \"all\"\n[timing]", ":22:9",
+     "'ladder.rung.truth' is \"all\""},
+    {"RungOfNoMethod", "[timing]", "[[ladder]]\nname = \"a\"\n[[ladder.rung]]\nmethod = \"all\"\n[timing]",
+     ":22:10", "'ladder.rung.method' is \"all\", which is no method's label here"},
     // Types.
     {"TextForANumber", "repeats = 1", "repeats = \"1\"", ":20:11", "'timing.repeats' must be a number"},
     {"NumberForAText", "name = \"good\"", "name = 1", ":1:8", "'name' must be a string"},

@@ -42,8 +42,10 @@ std::vector<std::string> blur_defines(const Settings& settings) {
 }
 
 std::vector<std::string> gather_defines(const Settings& settings) {
-  return settings.word("gutter") == "coverage" ? std::vector<std::string>{"COVERAGE"}
-                                               : std::vector<std::string>{};
+  std::vector<std::string> defines;
+  if (settings.word("gutter") == "coverage") defines.emplace_back("COVERAGE");
+  if (settings.word("reading") == "bicubic") defines.emplace_back("BICUBIC");
+  return defines;
 }
 
 class TextureSpace {
@@ -55,6 +57,7 @@ class TextureSpace {
         has_stretch_map_(inputs.settings.word("stretch") != "off"),
         blurs_stretch_(inputs.settings.word("stretch") == "blurred"),
         first_is_irradiance_(inputs.settings.word("first_gaussian") == "irradiance"),
+        incremental_(inputs.settings.word("passes") == "incremental"),
         gain_(inputs.settings.word("taps") == "seven-published" ? 1.001 : 1.0),
         mean_texels_per_mm_(has_stretch_map_ ? 0.0 : size_ / inputs.surface.mean_mm_per_uv_unit()),
         levels_(gaussian_levels(inputs.profile)),
@@ -76,8 +79,7 @@ class TextureSpace {
   const gpu::Texture& output() const { return result_.texture; }
 
   void render(Passes& passes) {
-    draw_map(passes, uv_irradiance_, irradiance_);
-    if (stretch_) draw_map(passes, uv_stretch_, *stretch_);
+    draw_maps(passes);
     passes.draw(first_, result_, [&](const gpu::Program& program) {
       program.set("irradiance", frame_.irradiance, 0);
       program.set("delta_weight", delta_weight_);
@@ -85,13 +87,14 @@ class TextureSpace {
     double previous_variance_mm2 = 0.0;
     for (const GaussianLevel& level : levels_) {
       const bool is_first = &level == &levels_.front();
+      if (!incremental_ && !is_first) draw_maps(passes);
       if (!(is_first && first_is_irradiance_)) {
         const double std_dev_mm = std::sqrt(level.variance_mm2 - previous_variance_mm2);
         if (blurs_stretch_) blur(passes, *stretch_, std_dev_mm);
         blur(passes, irradiance_, std_dev_mm);
       }
       gather(passes, level.weight);
-      previous_variance_mm2 = level.variance_mm2;
+      if (incremental_) previous_variance_mm2 = level.variance_mm2;
     }
   }
 
@@ -117,6 +120,11 @@ class TextureSpace {
       flood(jump);
     flood(1);  // mends most of what the rounds before it missed
     nearest_.emplace(nearest.take_current());
+  }
+
+  void draw_maps(Passes& passes) {
+    draw_map(passes, uv_irradiance_, irradiance_);
+    if (stretch_) draw_map(passes, uv_stretch_, *stretch_);
   }
 
   // The surface's values in texture space, and in its gutters.
@@ -163,6 +171,7 @@ class TextureSpace {
   bool has_stretch_map_;
   bool blurs_stretch_;
   bool first_is_irradiance_;
+  bool incremental_;
   double gain_;
   double mean_texels_per_mm_;
   std::vector<GaussianLevel> levels_;
@@ -205,7 +214,10 @@ Method texture_space_method() {
       words("first_gaussian", "the first level: blurred, or the irradiance itself",
             {"blurred", "irradiance"}),
       words("gutter", "beyond a chart's edge: its nearest texel, nothing (divided out), or black",
-            {"nearest", "coverage", "none"})};
+            {"nearest", "coverage", "none"}),
+      words("passes", "of each level: on the level before it, or on the irradiance drawn anew",
+            {"incremental", "direct"}),
+      words("reading", "of a level at a pixel", {"bilinear", "bicubic"})};
   method.own_target = [](const Profile&, const Settings&) { return OwnTarget{true, true, std::nullopt}; };
   method.prepare = prepare;
   return method;

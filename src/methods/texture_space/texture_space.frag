@@ -31,6 +31,11 @@
 //                 None of them lets light cross a seam: beyond it is what the same chart has, not what the
 //                 surface has. At a seam across which irradiance goes on with the slope g, a half of the
 //                 kernel is wrong: by s g / sqrt(2 pi) with nearest, twice that with coverage.
+//   passes        incremental: each level is blurred out of the one before it, as in the sources. direct: out of
+//                 the irradiance, drawn anew, by its whole variance (what increments are measured against: taps
+//                 spread along texel rows do not add up where the stretch changes).
+//   reading       of a level at a pixel: bilinear as in the sources, or bicubic (Catmull and Rom), whose error
+//                 is of third order in the texel and which overshoots at steps by up to 1/8 of them.
 // (The walkthrough blurs every level by one constant width and takes albedo for irradiance: its pass
 // structure is reproduced, not that.)
 //

@@ -2,12 +2,15 @@
 
 const SECTIONS = [
   ["overview", "Overview"], ["speed", "Speed against accuracy"], ["pictures", "Pictures"],
-  ["metrics", "Metrics"], ["halos", "Halos"], ["what", "What was run"]
+  ["metrics", "Metrics"], ...(ladders.length > 0 ? [["ladders", "Assumptions"]] : []), ["halos", "Halos"], ["what", "What was run"]
 ];
 
 document.getElementById("head").append(...pageHead().filter(Boolean));
 document.getElementById("nav").append(...SECTIONS.map(([id, title]) => h("a", {href: "#" + id}, title)));
 append(
     document.getElementById("main"),
-    [overview(), costSection(), pictureSection(), tableSection(), haloSection(), detailsSection()]);
+    [
+      overview(), costSection(), pictureSection(), tableSection(), ladderSection(), haloSection(),
+      detailsSection()
+    ]);
 document.documentElement.dataset.ready = "yes";
