@@ -169,6 +169,53 @@ TEST(Plane, AStepConvergesAtFirstOrder) {
 
 // A sum over all pixels says where it would take too many instead of losing some: a ball of 4.5 mm is 300 px
 // across at 0.03 mm a pixel, and the picture of 260 x 260 = 67600 pixels is within it.
+// The variance that a normalised filter has along a slope, from its result under the light u^2 at the slope's
+// middle: the kernel's mean of u^2.
+double variance_along_slope_mm2(const Filter& filter, double tilt_deg, double mm_per_px) {
+  PlaneView view;
+  view.tilt_deg = tilt_deg;
+  view.mm_per_px = mm_per_px;
+  const int half = static_cast<int>(6.0 / mm_per_px);  // 6 mm are in view facing, more on the slope
+  view.px = 2 * half + 1;                              // a pixel's centre lies at u = 0
+  const PlaneFrame frame(view, [](double u) { return u * u; });
+  const Image result =
+      frame.run(find_method(filter.name), test::one_gaussian(kStdDevMm, 5.0), filter.settings);
+  return result.rgb(half, half).x();
+}
+
+// What the depth term counts twice. With K the exponent is that of the distance, whatever the slope. Taps
+// that are laid in proportion across d' have the surface's distance u already, and the depth's u sin(theta)
+// comes on top: exp(-u^2 (1 + sin^2 theta) / 2 s^2), variance s^2 / (1 + sin^2 theta), 0.57 s^2 at 60
+// degrees.
+//
+// Tolerance: sums over pixels of a Gaussian of at least 2 pixels' deviation are exact to 2 exp(-2 pi^2 4);
+// the cut at 5 s takes 25 exp(-12.5) = 1e-4 of the variance; perspective makes a pixel's share of the slope
+// change by u sin(theta) / 600 mm, whose first order is odd and whose second is (5 / 600)^2 = 7e-5 at the
+// reach's end; K and d' are exact at the middle but for (r_max / 600)^2 as well. 16 digits of u^2 in single
+// precision: 1e-6.
+TEST(Plane, ProportionalTapsCountTheSlopeTwice) {
+  const Filter proportional{"cbf", {{"spacing", std::string("proportional")}}, true};
+  for (const double tilt_deg : {0.0, 30.0, 60.0}) {
+    const double sine = std::sin(tilt_deg * kPi / 180.0);
+    EXPECT_NEAR(variance_along_slope_mm2(kCbf, tilt_deg, 0.2), 1.0, 1e-3) << tilt_deg;
+    EXPECT_NEAR(variance_along_slope_mm2(proportional, tilt_deg, 0.2), 1.0 / (1.0 + sine * sine), 1e-3)
+        << tilt_deg;
+    EXPECT_NEAR(variance_along_slope_mm2(kDensePscbf, tilt_deg, 0.2), 1.0 / (1.0 + sine * sine), 1e-3)
+        << tilt_deg;
+  }
+}
+
+// 13 taps of equal probability have less variance than the Gaussian that they stand for: 0.907 of it at
+// medians, 0.971 at centroids (taps_test.cpp derives both). So has the filter on a plane that faces the
+// camera, but for nearest sampling: a tap at x is read up to half a pixel h beside it, at x + d, and the mean
+// of x^2 errs by 2 E|x d| + d^2 <= h E|x| + h^2 / 4 = 0.041 for h = 0.05 mm and E|x| = 0.8 mm.
+TEST(Plane, ThirteenTapsLoseVariance) {
+  const Filter medians{"pscbf", {}, true};
+  const Filter centroids{"pscbf", {{"placement", std::string("centroid")}}, true};
+  EXPECT_NEAR(variance_along_slope_mm2(medians, 0.0, 0.05), 0.907, 0.041);
+  EXPECT_NEAR(variance_along_slope_mm2(centroids, 0.0, 0.05), 0.971, 0.041);
+}
+
 TEST(Plane, AReachOfTooManyPixelsIsAnError) {
   for (const Filter& filter : {kScreenIntegral, kUnnormalised, kCbf}) {
     const PlaneView view{.distance_mm = 300.0, .mm_per_px = 0.03, .px = 260};
