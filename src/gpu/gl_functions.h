@@ -40,6 +40,7 @@ namespace truescatter::gpu {
   X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                 \
   X(decltype(&glGenTextures), GenTextures)                     \
   X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                 \
+  X(PFNGLGETACTIVEUNIFORMPROC, GetActiveUniform)               \
   X(decltype(&glGetError), GetError)                           \
   X(decltype(&glGetIntegerv), GetIntegerv)                     \
   X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)             \

@@ -1,6 +1,10 @@
 #include "gpu/program.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <optional>
+#include <sstream>
 #include <utility>
 
 #include "core/error.h"
@@ -14,11 +18,10 @@ class Shader {
   Shader(const Context& context, GLenum stage, const std::vector<ShaderText>& pieces,
          const std::vector<std::string>& defines)
       : context_(context), id_(context.gl().CreateShader(stage)) {
-    // "#line 1 k" makes the compiler's messages say piece k, line within the piece.
     std::string source = "#version 450 core\n";
     for (const std::string& define : defines) source += "#define " + define + "\n";
     for (std::size_t k = 0; k < pieces.size(); ++k)
-      source += fmt::format("#line 1 {}\n{}\n", k, pieces[k].text);
+      source += fmt::format("#line {}\n{}\n", k * kLinesPerPiece + 1, pieces[k].text);
     const char* text = source.c_str();
     context.gl().ShaderSource(id_, 1, &text, nullptr);
     context.gl().CompileShader(id_);
@@ -30,7 +33,8 @@ class Shader {
     context.gl().GetShaderInfoLog(id_, static_cast<GLsizei>(log.size()), &length, log.data());
     log.resize(static_cast<std::size_t>(length));
     context.gl().DeleteShader(id_);
-    throw Error(ErrorKind::input, locate(log, pieces), "this shader does not compile: " + log);
+    throw Error(ErrorKind::input, locate(log, pieces),
+                "this shader does not compile:\n" + with_names(log, pieces));
   }
   ~Shader() { context_.gl().DeleteShader(id_); }
   Shader(const Shader&) = delete;
@@ -39,14 +43,43 @@ class Shader {
   unsigned id() const { return id_; }
 
  private:
-  // Mesa writes "piece:line(column): error: ...".
+  // A compiler's messages give lines of what it was given as one text: Mesa has "#line" change the line but
+  // not the source's number. So the line says the piece too. (Columns are those of the preprocessed text.)
+  static constexpr std::size_t kLinesPerPiece = 100000;
+
+  // A place at the beginning of a compiler's message: Mesa writes "0:line(column): error: ...", others
+  // "0(line) : error ...". `end`: where the rest of the message begins.
+  static std::optional<SourceLocation> place(const char* message, const std::vector<ShaderText>& pieces,
+                                             const char*& end) {
+    char* after = nullptr;
+    std::strtoul(message, &after, 10);
+    if (after == message || (*after != ':' && *after != '(')) return std::nullopt;
+    const bool mesa = *after == ':';
+    const char* digits = after + 1;
+    const unsigned long line = std::strtoul(digits, &after, 10);
+    const std::size_t piece = (std::max(line, 1UL) - 1) / kLinesPerPiece;
+    if (after == digits || piece >= pieces.size()) return std::nullopt;
+    if (mesa && *after == '(') std::strtoul(after + 1, &after, 10);
+    if (*after == ')') ++after;
+    end = after;
+    return SourceLocation{pieces[piece].name, static_cast<int>(line - piece * kLinesPerPiece)};
+  }
+
   static SourceLocation locate(const std::string& log, const std::vector<ShaderText>& pieces) {
-    char* end = nullptr;
-    const unsigned long piece = std::strtoul(log.c_str(), &end, 10);
-    if (end == log.c_str() || *end != ':' || piece >= pieces.size()) return {pieces.back().name};
-    const int line = static_cast<int>(std::strtol(end + 1, &end, 10));
-    const int column = *end == '(' ? static_cast<int>(std::strtol(end + 1, nullptr, 10)) : 0;
-    return {pieces[piece].name, line, column};
+    const char* end = nullptr;
+    return place(log.c_str(), pieces, end).value_or(SourceLocation{pieces.back().name});
+  }
+
+  // The compiler's lines, with the pieces' names for their numbers.
+  static std::string with_names(const std::string& log, const std::vector<ShaderText>& pieces) {
+    std::string text;
+    std::istringstream lines(log);
+    for (std::string line; std::getline(lines, line);) {
+      const char* rest = line.c_str();
+      const std::optional<SourceLocation> where = place(line.c_str(), pieces, rest);
+      text += (text.empty() ? "" : "\n") + (where ? where->str() : "") + rest;
+    }
+    return text;
   }
 
   const Context& context_;
@@ -90,6 +123,24 @@ Program& Program::operator=(Program&& other) noexcept {
 }
 
 void Program::use() const { context_->gl().UseProgram(id_); }
+
+std::vector<Uniform> Program::active_uniforms() const {
+  const GlFunctions& gl = context_->gl();
+  GLint count = 0;
+  gl.GetProgramiv(id_, GL_ACTIVE_UNIFORMS, &count);
+  std::vector<Uniform> uniforms;
+  for (GLint i = 0; i < count; ++i) {
+    std::array<char, 256> text{};
+    GLsizei length = 0;
+    GLint size = 0;
+    GLenum type = 0;
+    gl.GetActiveUniform(id_, static_cast<GLuint>(i), static_cast<GLsizei>(text.size()), &length, &size, &type,
+                        text.data());
+    std::string name(text.data(), static_cast<std::size_t>(length));
+    uniforms.push_back({name.substr(0, name.find('[')), type, size});
+  }
+  return uniforms;
+}
 
 int Program::location(const char* name) const { return context_->gl().GetUniformLocation(id_, name); }
 

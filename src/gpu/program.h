@@ -18,6 +18,13 @@ struct ShaderText {
   std::string text;
 };
 
+// A uniform that a program uses.
+struct Uniform {
+  std::string name;  // of an array: without its "[0]"
+  unsigned type;     // GL_FLOAT, GL_SAMPLER_2D, ...
+  int size;          // elements of an array; 1 for others
+};
+
 // A linked vertex and fragment shader. Each stage is "#version 450 core", then a #define for every entry of
 // `defines`, then its pieces in order. Throws Error (input) that names the piece and line and quotes
 // the compiler.
@@ -31,6 +38,9 @@ class Program {
   Program& operator=(Program&& other) noexcept;
 
   void use() const;
+
+  // What the compiler left of its uniforms.
+  std::vector<Uniform> active_uniforms() const;
 
   // Uniforms of the program, which must be in use. A name that the compiler removed is ignored.
   void set(const char* name, int value) const;
