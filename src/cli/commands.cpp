@@ -31,17 +31,6 @@ void require_same_size(const Image& a, const std::filesystem::path& a_path, cons
                     a.height(), b_path.string(), b.width(), b.height());
 }
 
-Image read_rgb(const std::filesystem::path& path) {
-  Image image = read_exr_layer(path, "");
-  if (image.channels() < 3) {
-    throw_input_error({path.string()}, "has {} plain channels; R, G, B are needed", image.channels());
-  }
-  for (const float v : image.data()) {
-    if (!std::isfinite(v)) throw_input_error({path.string()}, "holds a value that is not finite");
-  }
-  return image;
-}
-
 void print_stats(const std::string& name, const nlohmann::json& stats) {
   const auto text = [&](const char* key) {
     return stats.at(key).is_number() ? fmt::format("{:.6g}", stats.at(key).get<double>()) : std::string("-");
@@ -74,7 +63,8 @@ int run(const RunArguments& arguments) {
   const std::filesystem::path folder =
       arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
   if (arguments.dry_run) {
-    const Plan plan = make_plan(spec);
+    const Plan plan = make_plan(spec, arguments.export_inputs);
+    check_shaders(plan);
     check_destination(folder);
     fmt::print("{}output {}: {}\n", describe_plan(spec, plan, check_scene(spec)), folder.string(),
                std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
@@ -83,7 +73,7 @@ int run(const RunArguments& arguments) {
   ResultFolder results(folder);
   const std::unique_ptr<TruthCache> cache =
       spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
-  const RunOutcome outcome = run_experiment(spec, results.working(), cache.get());
+  const RunOutcome outcome = run_experiment(spec, results.working(), cache.get(), {}, {arguments.export_inputs});
   write_report(results.working());
   results.publish();
   fmt::print("{}\n", (folder / "report.html").string());

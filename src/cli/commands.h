@@ -15,7 +15,8 @@ struct RunArguments {
   std::vector<std::string> overrides;
   int jobs = 0;  // 0: all cores
   bool dry_run = false;
-  bool no_cache = false;  // truths are neither taken from the cache nor kept there
+  bool export_inputs = false;  // what methods are given of each view is written too
+  bool no_cache = false;       // truths are neither taken from the cache nor kept there
 };
 int run(const RunArguments& arguments);
 

@@ -47,6 +47,10 @@ int dispatch(int argc, char** argv) {
   run->add_option("--jobs", run_arguments.jobs, "Threads for truth and metrics (default: all cores)")
       ->check(CLI::Range(1, 4096));
   run->add_flag("--dry-run", run_arguments.dry_run, "Check the experiment and list what would run");
+  run->add_flag(
+      "--export-inputs", run_arguments.export_inputs,
+      "Write what methods are given of each view as EXR, to inputs/; methods whose picture is not there "
+      "yet are skipped");
   run->add_flag("--no-cache", run_arguments.no_cache, "Compute every truth, and keep none in the cache");
 
   TruthArguments truth_arguments;

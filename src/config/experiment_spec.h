@@ -106,12 +106,39 @@ struct ProfileSpec {
   std::optional<ProfileModelSpec> of;  // what it approximates: its truth is asked for too
 };
 
+// A method that the user brings: GLSL passes, or pictures made elsewhere.
+struct OwnMethodSpec {
+  struct Pass {
+    std::string shader;               // a fragment shader's path
+    std::vector<std::string> inputs;  // of the frame's textures, or "previous"
+    std::map<std::string, double> settings;
+    SourceLocation shader_where;
+    SourceLocation inputs_where;
+    std::map<std::string, SourceLocation> settings_where;
+  };
+  std::string title;
+  std::string source;
+  std::string run;                   // per-gaussian | per-term | once
+  std::vector<std::string> include;  // GLSL that goes before every shader: paths, or "builtin:NAME"
+  SourceLocation include_where;
+  std::vector<Pass> passes;  // empty: a picture
+  std::string image;         // path with {view} and {profile} in it
+  SourceLocation image_where;
+  std::string layer;  // of the picture; empty: its plain R, G, B
+  // What it sets out to compute.
+  bool geodesic = false;
+  bool normalised = true;
+  std::optional<double> r_max_mm;
+  bool visible_only = false;
+};
+
 struct MethodSpec {
   std::string name;
   std::string label;  // distinguishes two settings of one method; the name if not given
   SourceLocation where;
   std::map<std::string, std::variant<double, std::string>> settings;
   std::map<std::string, SourceLocation> settings_where;
+  std::optional<OwnMethodSpec> own;  // none: a built-in method
 };
 
 struct TruthSpec {
@@ -181,8 +208,12 @@ ExperimentSpec read_experiment(const std::filesystem::path& file,
 std::string to_toml(const ExperimentSpec& spec);
 
 // A path of the experiment: environment variables expanded; relative to the experiment's file, or to the
-// working folder where it starts with a variable. A variable that is not set, or a file that is not there, is
-// an Error (input) that repeats `obtain`.
+// working folder where it starts with a variable. A variable that is not set is an Error (input) that repeats
+// `obtain`.
+std::filesystem::path expanded_path(const ExperimentSpec& spec, const std::string& path,
+                                    const SourceLocation& where);
+
+// The same of a file that must be there: if it is not, that is an Error (input) that repeats `obtain`.
 std::filesystem::path resolve_path(const ExperimentSpec& spec, const std::string& path,
                                    const SourceLocation& where);
 

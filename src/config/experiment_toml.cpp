@@ -210,6 +210,72 @@ ProfileSpec read_profile(TomlTable table) {
   return profile;
 }
 
+OwnMethodSpec::Pass read_pass(TomlTable table) {
+  OwnMethodSpec::Pass pass;
+  pass.shader = table.text("shader");
+  pass.shader_where = table.where("shader");
+  pass.inputs = table.texts("inputs");
+  pass.inputs_where = table.where("inputs");
+  for (std::size_t i = 0; i < pass.inputs.size(); ++i) {
+    if (std::find(pass.inputs.begin(), pass.inputs.begin() + static_cast<std::ptrdiff_t>(i),
+                  pass.inputs[i]) != pass.inputs.begin() + static_cast<std::ptrdiff_t>(i))
+      table.fail("inputs", fmt::format("'method.pass.inputs' names '{}' twice", pass.inputs[i]));
+  }
+  TomlTable settings = table.table("settings");
+  for (const std::string& key : settings.keys()) {
+    pass.settings[key] = settings.number(key, -kHuge, kHuge);
+    pass.settings_where[key] = settings.where(key);
+  }
+  table.finish();
+  return pass;
+}
+
+void read_target(TomlTable table, OwnMethodSpec& own) {
+  own.geodesic = table.one_of("metric", "euclidean", {"euclidean", "geodesic"}) == "geodesic";
+  own.normalised = table.flag("normalised", own.normalised);
+  if (table.has("r_max_mm")) own.r_max_mm = table.number("r_max_mm", 1e-6, 1e6);
+  own.visible_only = table.flag("visible_only", own.visible_only);
+  if (own.geodesic && own.visible_only)
+    table.fail("visible_only", "'method.target.visible_only' is for the Euclidean metric");
+  table.finish();
+}
+
+// Each placeholder of a picture's path is one that will be filled in.
+void check_image_path(const TomlTable& table, const std::string& path) {
+  if (path.empty()) table.fail("image", "'method.image' must not be empty");
+  for (std::size_t open = 0; (open = path.find('{', open)) != std::string::npos; ++open) {
+    const bool variable = open > 0 && path[open - 1] == '$';
+    const std::string rest = path.substr(open);
+    if (!variable && !rest.starts_with("{view}") && !rest.starts_with("{profile}"))
+      table.fail("image", "'method.image' has a '{' that is none of {view}, {profile} and ${VARIABLE}");
+  }
+}
+
+// The keys of a method that is not built in.
+OwnMethodSpec read_own_method(TomlTable& table, const std::string& name) {
+  OwnMethodSpec own;
+  check_file_name(table, "name", "method.name", name);
+  own.title = table.text("title", name);
+  own.source = table.text("source", "this experiment");
+  read_target(table.table("target"), own);
+  if (table.has("image")) {
+    if (table.has("pass")) table.fail("image", "a method is a picture ('image') or GLSL ('pass'), not both");
+    own.image = table.text("image");
+    own.image_where = table.where("image");
+    check_image_path(table, own.image);
+    own.layer = table.text("layer", "");
+    if (table.has("settings"))
+      table.fail("settings", "'method.settings' is for GLSL and built-in methods; a picture has none");
+    return own;
+  }
+  own.run = table.one_of("run", "per-gaussian", {"per-gaussian", "per-term", "once"});
+  own.include = table.texts("include");
+  own.include_where = table.where("include");
+  for (const TomlTable& pass : table.tables("pass")) own.passes.push_back(read_pass(pass));
+  if (own.passes.empty()) table.fail("pass", "a method of GLSL needs at least one [[method.pass]]");
+  return own;
+}
+
 MethodSpec read_method(TomlTable table) {
   MethodSpec method;
   method.name = table.text("name");
@@ -218,6 +284,8 @@ MethodSpec read_method(TomlTable table) {
   if (table.has("label")) check_file_name(table, "label", "method.label", method.label);
   if (method.label == "truth")
     table.fail("label", "'method.label' must not be \"truth\": the truth's own files have it");
+  table.allow({"image", "pass"});
+  if (table.has("image") || table.has("pass")) method.own = read_own_method(table, method.name);
   TomlTable settings = table.table("settings");
   for (const std::string& key : settings.keys()) {
     const toml::value& value = settings.raw(key);
@@ -427,13 +495,55 @@ std::string line(const std::string& key, const std::string& text) {
   return stream.str();
 }
 
-std::string method_toml(const MethodSpec& method) {
+std::string line(const std::string& key, const std::vector<std::string>& texts) {
+  std::vector<std::string> quoted;
+  for (const std::string& text : texts) {
+    std::ostringstream stream;
+    stream << toml::value(text);
+    quoted.push_back(stream.str());
+  }
+  return fmt::format("{} = [{}]\n", key, fmt::join(quoted, ", "));
+}
+
+// A path that names the same file from wherever it is read.
+std::string portable_path(const ExperimentSpec& spec, const std::string& path) {
+  const bool keep = path.empty() || path.starts_with("builtin:") || path.find("${") != std::string::npos ||
+                    std::filesystem::path(path).is_absolute();
+  return keep ? path : std::filesystem::absolute(spec.file.parent_path() / path).lexically_normal().string();
+}
+
+std::string own_method_toml(const ExperimentSpec& spec, const OwnMethodSpec& own) {
+  std::string text = line("title", own.title) + line("source", own.source);
+  if (!own.image.empty())
+    return text + line("image", portable_path(spec, own.image)) + line("layer", own.layer);
+  std::vector<std::string> include;
+  for (const std::string& path : own.include) include.push_back(portable_path(spec, path));
+  return text + line("run", own.run) + line("include", include);
+}
+
+std::string own_tables_toml(const ExperimentSpec& spec, const OwnMethodSpec& own) {
+  std::string text = "[method.target]\n" +
+                     line("metric", std::string(own.geodesic ? "geodesic" : "euclidean")) +
+                     line("normalised", own.normalised) + line("visible_only", own.visible_only);
+  if (own.r_max_mm) text += line("r_max_mm", *own.r_max_mm);
+  for (const OwnMethodSpec::Pass& pass : own.passes) {
+    text +=
+        "[[method.pass]]\n" + line("shader", portable_path(spec, pass.shader)) + line("inputs", pass.inputs);
+    if (pass.settings.empty()) continue;
+    text += "[method.pass.settings]\n";
+    for (const auto& [key, value] : pass.settings) text += line(key, value);
+  }
+  return text;
+}
+
+std::string method_toml(const ExperimentSpec& spec, const MethodSpec& method) {
   std::string text = "\n[[method]]\n" + line("name", method.name) + line("label", method.label);
-  if (method.settings.empty()) return text;
-  text += "[method.settings]\n";
+  if (method.own) text += own_method_toml(spec, *method.own);
+  if (!method.settings.empty()) text += "[method.settings]\n";
   for (const auto& [key, value] : method.settings) {
     std::visit([&, k = key](const auto& v) { text += line(k, v); }, value);
   }
+  if (method.own) text += own_tables_toml(spec, *method.own);
   return text;
 }
 
@@ -534,7 +644,7 @@ std::string to_toml(const ExperimentSpec& spec) {
   if (spec.scene.albedo_exponent_before() > 0.0) text += line("albedo_edge_mm", spec.shading.albedo_edge_mm);
   for (const ViewSpec& view : spec.views) text += view_toml(view);
   for (const ProfileSpec& profile : spec.profiles) text += profile_toml(profile);
-  for (const MethodSpec& method : spec.methods) text += method_toml(method);
+  for (const MethodSpec& method : spec.methods) text += method_toml(spec, method);
   text += "\n[truth]\n" + line("tolerance", spec.truth.tolerance) +
           line("audit_points", spec.truth.audit_points) + line("seed", spec.truth.seed) +
           line("geodesic", spec.truth.geodesic) + line("visible_only", spec.truth.visible_only) +

@@ -122,6 +122,18 @@ std::string TomlTable::text(const std::string& key, const std::string& fallback)
   return find(key) == nullptr ? fallback : text(key);
 }
 
+std::vector<std::string> TomlTable::texts(const std::string& key) {
+  const toml::value* value = find(key);
+  std::vector<std::string> result;
+  if (value == nullptr) return result;
+  if (!value->is_array()) fail_at(*value, fmt::format("'{}' must be an array of strings", full_name(key)));
+  for (const toml::value& entry : value->as_array()) {
+    if (!entry.is_string()) fail_at(entry, fmt::format("'{}' must hold strings only", full_name(key)));
+    result.push_back(entry.as_string().str);
+  }
+  return result;
+}
+
 std::string TomlTable::one_of(const std::string& key, const std::string& fallback,
                               const std::vector<std::string>& allowed) {
   const std::string word = text(key, fallback);

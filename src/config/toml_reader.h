@@ -27,6 +27,7 @@ class TomlTable {
   // a default, a missing key is an error.
   std::string text(const std::string& key);
   std::string text(const std::string& key, const std::string& fallback);
+  std::vector<std::string> texts(const std::string& key);  // an array of strings; empty if missing
   std::string one_of(const std::string& key, const std::string& fallback,
                      const std::vector<std::string>& allowed);
   double number(const std::string& key, double fallback, double minimum, double maximum);
@@ -47,6 +48,8 @@ class TomlTable {
   SourceLocation where(const std::string& key) const;
   // An error about the value of a key, with the line underlined.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
+  // Keys that may be there, asked for or not.
+  void allow(const std::set<std::string>& keys) { known_.insert(keys.begin(), keys.end()); }
   // Throws on a key that nobody asked for, listing those that there are.
   void finish() const;
 

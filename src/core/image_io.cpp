@@ -151,4 +151,20 @@ Image read_exr_layer(const std::filesystem::path& path, const std::string& layer
   return image;
 }
 
+Image read_rgb(const std::filesystem::path& path, const std::string& layer) {
+  const Image all = read_exr_layer(path, layer);
+  if (all.channels() < 3) {
+    throw_input_error({path.string()}, "has {} {} channels; R, G, B are needed", all.channels(),
+                      layer.empty() ? "plain" : "'" + layer + "'");
+  }
+  Image image(all.width(), all.height(), 3);
+  for (int y = 0; y < all.height(); ++y) {
+    for (int x = 0; x < all.width(); ++x) image.set_rgb(x, y, all.rgb(x, y));
+  }
+  for (const float v : image.data()) {
+    if (!std::isfinite(v)) throw_input_error({path.string()}, "holds a value that is not finite");
+  }
+  return image;
+}
+
 }  // namespace truescatter

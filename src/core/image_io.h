@@ -38,4 +38,8 @@ Image read_linear_colours(const std::filesystem::path& path,
 // bare suffixes, which have one letter. Of another format, its colours as read_linear_colours reads them.
 Image read_exr_layer(const std::filesystem::path& path, const std::string& layer);
 
+// The layer's R, G, B, or its first three channels. Throws Error (input) that names the file too where it has
+// fewer, or a value that is not finite.
+Image read_rgb(const std::filesystem::path& path, const std::string& layer = "");
+
 }  // namespace truescatter

@@ -1,6 +1,10 @@
 #include "experiment/plan.h"
 
 #include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "experiment/own_method.h"
 
 namespace truescatter {
 namespace {
@@ -36,6 +40,43 @@ std::string reason_without_geodesics(const TruthSpec& spec) {
   if (spec.tolerance >= kSmallestGeodesicTolerance) return "";
   return fmt::format("truth.tolerance is {}, and geodesic truths are good to {} at best", spec.tolerance,
                      kSmallestGeodesicTolerance);
+}
+
+// What a user's uniforms take: any number.
+std::vector<SettingSpec> specs_of(const Method& method, const MethodSpec& spec) {
+  if (!spec.own) return method.settings;
+  std::vector<SettingSpec> specs;
+  for (const auto& [name, value] : spec.settings)
+    specs.push_back(
+        {name, "", 0.0, std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max()});
+  return specs;
+}
+
+std::shared_ptr<const Method> resolve_method(const ExperimentSpec& spec, const MethodSpec& m) {
+  if (m.own) return std::make_shared<const Method>(own_method(spec, m));
+  // Built-in methods live as long as the program: nothing is owned.
+  return {std::shared_ptr<const Method>(), &find_method(m.name, m.where)};
+}
+
+// Every picture that a method needs is there and fits its view; those that are not are passed over if
+// `optional`.
+void check_pictures(const ExperimentSpec& spec, const MethodSpec& method, bool optional) {
+  if (spec.views.size() > 1 && method.own->image.find("{view}") == std::string::npos) {
+    throw_input_error(method.own->image_where, "'method.image' needs {{view}} in it: there are {} views",
+                      spec.views.size());
+  }
+  for (const ViewSpec& view : spec.views) {
+    for (const ProfileSpec& profile : spec.profiles) {
+      const std::filesystem::path file = picture_path(spec, method, view.name, profile.name);
+      if (std::filesystem::exists(file)) {
+        read_picture(file, method, view);
+      } else if (!optional) {
+        throw_input_error(method.own->image_where,
+                          "no such file: {}; what it can be made from is written by run --export-inputs",
+                          file.string());
+      }
+    }
+  }
 }
 
 std::string text_of(double value) { return fmt::format("{}", value); }
@@ -80,16 +121,19 @@ const ProfileModel* Plan::model_of(const Profile& profile) const {
   return found != models.end() ? &found->second : nullptr;
 }
 
-Plan make_plan(const ExperimentSpec& spec) {
+Plan make_plan(const ExperimentSpec& spec, bool without_pictures) {
   Plan plan;
   for (const ProfileSpec& profile : spec.profiles) {
     plan.profiles.push_back(resolve_profile(profile));
     if (profile.of) plan.models.emplace(profile.name, make_profile_model(*profile.of, profile.name));
   }
   for (const MethodSpec& m : spec.methods) {
-    const Method& method = find_method(m.name, m.where);
-    plan.methods.push_back(
-        {&method, m.label, Settings(method.name, method.settings, m.settings, m.settings_where)});
+    const std::shared_ptr<const Method> method = resolve_method(spec, m);
+    const bool pictures = m.own && !m.own->image.empty();
+    if (pictures) check_pictures(spec, m, without_pictures);
+    plan.methods.push_back({method, m.label,
+                            Settings(method->name, specs_of(*method, m), m.settings, m.settings_where),
+                            pictures ? &m : nullptr});
   }
   plan.no_geodesics = reason_without_geodesics(spec.truth);
   plan.ladders = spec.ladders;
@@ -107,7 +151,27 @@ OwnTarget rung_target(const LadderSpec::Rung& rung, const Profile& profile) {
   return target;
 }
 
+void check_shaders(const Plan& plan, const gpu::Context& context) {
+  for (const PlannedMethod& m : plan.methods) {
+    if (!m.method->check) continue;
+    for (const Profile& profile : plan.profiles) m.method->check(context, profile, m.settings);
+  }
+}
+
+void check_shaders(const Plan& plan) {
+  const bool any = std::any_of(plan.methods.begin(), plan.methods.end(),
+                               [](const PlannedMethod& m) { return static_cast<bool>(m.method->check); });
+  if (any) check_shaders(plan, gpu::Context());
+}
+
 bool is_skipped(const PlannedMethod& method, bool has_uvs) { return method.method->needs_uvs && !has_uvs; }
+
+std::string missing_picture(const ExperimentSpec& spec, const PlannedMethod& method, const std::string& view,
+                            const std::string& profile) {
+  if (method.pictures == nullptr) return "";
+  const std::filesystem::path file = picture_path(spec, *method.pictures, view, profile);
+  return std::filesystem::exists(file) ? "" : "its picture is not there yet: " + file.string();
+}
 
 std::vector<PlannedTruth> planned_truths(const Plan& plan, bool has_uvs) {
   std::vector<PlannedTruth> truths;
@@ -168,9 +232,17 @@ std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const Sc
     for (const Profile& profile : plan.profiles) {
       for (const PlannedMethod& m : plan.methods) {
         const std::string id = fmt::format("{}/{}/{}", view.name, profile.name, m.label);
-        text += is_skipped(m, scene.has_uvs)
-                    ? fmt::format("  skip {}: it needs UVs, and the mesh has none\n", id)
-                    : fmt::format("  run {}: {} + {} frames\n", id, spec.timing.warm_up, spec.timing.repeats);
+        const std::string missing = missing_picture(spec, m, view.name, profile.name);
+        if (is_skipped(m, scene.has_uvs)) {
+          text += fmt::format("  skip {}: it needs UVs, and the mesh has none\n", id);
+        } else if (!missing.empty()) {
+          text += fmt::format("  skip {}: {}\n", id, missing);
+        } else if (m.pictures != nullptr) {
+          text += fmt::format("  read {}: {}\n", id,
+                              picture_path(spec, *m.pictures, view.name, profile.name).string());
+        } else {
+          text += fmt::format("  run {}: {} + {} frames\n", id, spec.timing.warm_up, spec.timing.repeats);
+        }
       }
     }
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,11 @@ namespace truescatter {
 
 // A method with its settings checked.
 struct PlannedMethod {
-  const Method* method;
+  std::shared_ptr<const Method> method;
   std::string label;
   Settings settings;
+  const MethodSpec* pictures =
+      nullptr;  // of the experiment: the method is pictures made elsewhere; null: it is not
 };
 
 // An experiment with every name resolved: scenes x views x profiles x methods.
@@ -32,8 +35,15 @@ struct Plan {
   const ProfileModel* model_of(const Profile& profile) const;
 };
 
-// Throws Error (input) at the offending line: unknown profile, material or method, a setting out of range.
-Plan make_plan(const ExperimentSpec& spec);
+// Throws Error (input) at the offending line: unknown profile, material or method, a setting out of range;
+// and as own_method.h says. Pictures that are not there are errors unless `without_pictures`; they are
+// skipped then. The plan refers to the experiment.
+Plan make_plan(const ExperimentSpec& spec, bool without_pictures = false);
+
+// Compiles the shaders that the experiment brings. Throws Error (input): see glsl_method.h.
+void check_shaders(const Plan& plan, const gpu::Context& context);
+// The same on a context of its own, which is made if there are any.
+void check_shaders(const Plan& plan);
 
 // A truth that every view needs: a profile's headline, what methods set out to compute, or one that the
 // experiment asks for beside them.
@@ -53,6 +63,10 @@ OwnTarget rung_target(const LadderSpec::Rung& rung, const Profile& profile);
 
 // Whether a method cannot run on a mesh without UVs, which this one is.
 bool is_skipped(const PlannedMethod& method, bool has_uvs);
+
+// Why a method of pictures is skipped: there is none for this view and profile. Empty: it is not.
+std::string missing_picture(const ExperimentSpec& spec, const PlannedMethod& method, const std::string& view,
+                            const std::string& profile);
 
 // Each distinct target of what runs once, profile by profile, the headline first.
 std::vector<PlannedTruth> planned_truths(const Plan& plan, bool has_uvs);

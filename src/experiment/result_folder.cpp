@@ -9,9 +9,12 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -21,7 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kMapsFolder = "maps";
+// The folders of a result, with the kinds of files that they hold.
+const std::map<std::string, std::vector<std::string>, std::less<>> kFolders = {{"maps", {".png", ".exr"}},
+                                                                               {"inputs", {".exr", ".json"}}};
 constexpr std::array<std::string_view, 4> kFiles = {"report.html", "results.json", "results.csv",
                                                     "experiment.resolved.toml"};
 
@@ -45,14 +50,16 @@ std::optional<fs::path> foreign_entry(const fs::path& folder) {
     if (is_plain_file(entry)) {
       if (std::find(kFiles.begin(), kFiles.end(), name) == kFiles.end() && !is_temporary_name(name))
         return entry;
-    } else if (!is_plain_folder(entry) || name != kMapsFolder) {
+    } else if (!is_plain_folder(entry) || kFolders.count(name) == 0) {
       return entry;
     }
   }
-  if (!is_plain_folder(folder / kMapsFolder)) return std::nullopt;
-  for (const fs::path& entry : entries_of(folder / kMapsFolder)) {
-    const bool picture = entry.extension() == ".png" || entry.extension() == ".exr";
-    if (!is_plain_file(entry) || !picture) return entry;
+  for (const auto& [name, kinds] : kFolders) {
+    if (!is_plain_folder(folder / name)) continue;
+    for (const fs::path& entry : entries_of(folder / name)) {
+      const bool known = std::find(kinds.begin(), kinds.end(), entry.extension().string()) != kinds.end();
+      if (!is_plain_file(entry) || !known) return entry;
+    }
   }
   return std::nullopt;
 }

@@ -44,20 +44,29 @@ MapRanges common_ranges(const json& results) {
   return {range_of(errors), range_of(steps)};
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw_run_error("{}: cannot make this folder: {}", folder.string(), failure.message());
+}
+
 }  // namespace
 
 RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder, TruthCache* cache,
-                          const SourceWrapper& wrap) {
-  const Plan plan = make_plan(spec);
-  const PreparedScene scene = prepare_scene(spec);
+                          const SourceWrapper& wrap, const RunOptions& options) {
+  const Plan plan = make_plan(spec, options.export_inputs);
   const gpu::Context context;
+  check_shaders(plan, context);
+  const PreparedScene scene = prepare_scene(spec);
   const SurfaceBuffers buffers(context, scene.shading);
   const std::vector<PlannedTruth> planned = planned_truths(plan, buffers.has_uvs());
   const bool geodesic = std::any_of(planned.begin(), planned.end(), [](const PlannedTruth& truth) {
     return truth.target.geodesic && truth.not_computed.empty();
   });
   const SceneTruths truths(scene, spec.truth, geodesic, cache, wrap);
-  const Setup setup{spec, plan, scene, context, buffers, truths};
+  const std::filesystem::path inputs = options.export_inputs ? folder / "inputs" : "";
+  if (!inputs.empty()) make_folder(inputs);
+  const Setup setup{spec, plan, scene, context, buffers, truths, inputs};
 
   json results = {{"schema", kResultsSchema},
                   {"experiment",
@@ -90,9 +99,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   results["exceeded"] = exceeded;
 
   const std::filesystem::path maps = folder / "maps";
-  std::error_code failure;
-  std::filesystem::create_directories(maps, failure);
-  if (failure) throw_run_error("{}: cannot make this folder: {}", maps.string(), failure.message());
+  make_folder(maps);
   write_maps(views, maps, ranges, setup.exposure());
   write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
   write_text_file(folder / "results.csv", results_csv(results));

@@ -9,6 +9,12 @@
 
 namespace truescatter {
 
+// How a run is done, beside what its experiment says.
+struct RunOptions {
+  bool export_inputs =
+      false;  // writes what methods are given of each view to inputs/, and skips what has no picture
+};
+
 // What a run ended with.
 struct RunOutcome {
   std::vector<std::string> exceeded;  // one line per stated threshold that was exceeded
@@ -19,6 +25,7 @@ struct RunOutcome {
 // `cache`: where truths are looked for first and kept; null for none. `wrap`: for tests of what a run does
 // with an engine that errs.
 RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder,
-                          TruthCache* cache = nullptr, const SourceWrapper& wrap = {});
+                          TruthCache* cache = nullptr, const SourceWrapper& wrap = {},
+                          const RunOptions& options = {});
 
 }  // namespace truescatter

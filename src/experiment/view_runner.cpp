@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "core/progress.h"
+#include "experiment/frame_files.h"
 #include "experiment/ladder.h"
 #include "experiment/metrics_json.h"
+#include "experiment/own_method.h"
 #include "experiment/profile_truth.h"
 #include "experiment/result_json.h"
 #include "experiment/view_truth.h"
@@ -59,6 +61,16 @@ Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Met
                    {"fetches_per_pixel", counts.texels_read * per_pixel},
                    {"bytes_per_pixel", counts.bytes_read * per_pixel}};
   return measured;
+}
+
+// A user's shader may divide by zero: metrics of that would be no numbers.
+void check_finite(const std::string& method, const Image& exitance, const Image& mask) {
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      if (mask.at(x, y, 0) == 0.0F || exitance.rgb(x, y).allFinite()) continue;
+      throw_input_error({}, "method '{}': its exitance at column {}, row {} is not finite", method, x, y);
+    }
+  }
 }
 
 // Those of the pixels that are measured: where the smallest mass is at least half of a plane's; the others
@@ -159,6 +171,7 @@ class ViewRunner {
  public:
   ViewRunner(const Setup& setup, const ViewSpec& view, json& results)
       : setup_(setup),
+        view_(view),
         name_(view.name),
         results_(results),
         frame_(render_frame(setup.context, setup.surface, setup.scene.shading, camera_of(view))),
@@ -184,6 +197,7 @@ class ViewRunner {
                                  {"mm_per_px", mm_per_px()},
                                  {"color_bar", color_bar_json(frame_.camera)},
                                  {"files", {{"irradiance", "maps/" + name_ + ".irradiance.png"}}}});
+    if (!setup_.inputs.empty()) add_frame_files();
     if (truth_.points().size() == 0)
       throw_input_error({setup_.spec.file.string()}, "view '{}' sees no skin", name_);
     compute_truths();
@@ -196,6 +210,13 @@ class ViewRunner {
   }
 
  private:
+  void add_frame_files() {
+    write_frame(setup_.inputs, name_, frame_.camera, images_);
+    json& files = results_["views"].back()["files"];
+    files["inputs"] = "inputs/" + name_ + ".exr";
+    files["camera"] = "inputs/" + name_ + ".json";
+  }
+
   double mm_per_px() const { return median_depth_mm_ / frame_.camera.focal_px(); }
 
   void compute_truths() {
@@ -326,10 +347,15 @@ class ViewRunner {
       results_["runs"].push_back(run);
       return;
     }
-    const MethodInputs inputs{setup_.context,   frame_,  setup_.surface,
-                              median_depth_mm_, profile, planned.settings};
-    const Measured measured = draw_and_time(setup_, inputs, method, truth_.points().size());
+    if (const std::string missing = missing_picture(setup_.spec, planned, name_, profile.name);
+        !missing.empty()) {
+      run["skipped"] = missing;
+      results_["runs"].push_back(run);
+      return;
+    }
+    const Measured measured = measure(planned, profile);
     run["cost"] = measured.cost;
+    if (measured.cost.is_null()) run["cost_reason"] = "a picture made elsewhere: nothing of it ran here";
     add_metrics(run, measured.exitance, against);
     run["own_target"] =
         error_against(against.truths.of(method.own_target(profile, planned.settings)), measured.exitance);
@@ -388,6 +414,18 @@ class ViewRunner {
     }
     result["files"] = {{"exr", "maps/" + maps.stem + ".exr"}};
     results_["ladders"].push_back(result);
+  }
+
+  Measured measure(const PlannedMethod& planned, const Profile& profile) const {
+    if (planned.pictures != nullptr)
+      return {read_picture(picture_path(setup_.spec, *planned.pictures, name_, profile.name),
+                           *planned.pictures, view_),
+              nullptr};
+    const MethodInputs inputs{setup_.context,   frame_,  setup_.surface,
+                              median_depth_mm_, profile, planned.settings};
+    Measured measured = draw_and_time(setup_, inputs, *planned.method, truth_.points().size());
+    if (planned.method->check) check_finite(planned.method->name, measured.exitance, images_.mask);
+    return measured;
   }
 
   void add_metrics(json& run, const Image& exitance, const Comparison& against) const {
@@ -460,6 +498,7 @@ class ViewRunner {
   }
 
   const Setup& setup_;
+  const ViewSpec& view_;
   std::string name_;
   json& results_;
   Frame frame_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "experiment/map_files.h"
@@ -19,13 +20,15 @@ struct Setup {
   const gpu::Context& context;
   const SurfaceBuffers& surface;
   const SceneTruths& truths;
+  std::filesystem::path inputs = {};  // the folder for what methods are given; empty: it is not written
 
   double exposure() const { return 1.0 / scene.largest_irradiance; }
 };
 
 // Renders a view, computes its truths, draws, times and measures every method under every profile. Appends to
 // views[], truths[] and runs[] of `results`, and returns the pictures.
-// Throws Error: input for a view that sees no skin, run for a failed audit or the driver.
+// Throws Error: input for a view that sees no skin or a user's shader that gives no number, run for a failed
+// audit or the driver.
 ViewMaps run_view(const Setup& setup, const ViewSpec& view, nlohmann::json& results);
 
 }  // namespace truescatter

@@ -106,7 +106,8 @@ Frame render_frame(const gpu::Context& context, const SurfaceBuffers& surface, c
   const int h = camera.height_px;
   const Mat4d view = camera.view_matrix();
   const auto [near_mm, far_mm] = depth_range_mm(shading, view);
-  const auto float4 = [&] { return gpu::Texture(context, w, h, gpu::Format::rgba32f); };
+  // Linear filtering is for those who ask for it by read_linear.
+  const auto float4 = [&] { return gpu::Texture(context, w, h, gpu::Format::rgba32f, gpu::Filter::linear); };
   Frame frame{camera,
               view,
               camera.projection_matrix(near_mm, far_mm),

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -62,15 +63,18 @@ struct NumericLimits {
 // A technique. To add one: a folder with its GLSL and a file that defines `Method <folder>_method()`, and the
 // folder's name in methods/CMakeLists.txt.
 struct Method {
-  std::string_view name;
-  std::string_view title;
-  std::string_view source;
+  std::string name;
+  std::string title;
+  std::string source;
   bool needs_uvs = false;
   NumericLimits limits;
   std::vector<SettingSpec> settings;
-  OwnTarget (*own_target)(const Profile&, const Settings&);
-  // Throws Error (input) if a shader does not compile.
-  PreparedMethod (*prepare)(const MethodInputs&);
+  std::function<OwnTarget(const Profile&, const Settings&)> own_target;
+  // Throws Error (input) if a shader does not compile. Empty: its exitance comes from elsewhere.
+  std::function<PreparedMethod(const MethodInputs&)> prepare;
+  // Where a user wrote the shaders: compiles them and holds them against their settings, before anything is
+  // computed. Throws Error (input).
+  std::function<void(const gpu::Context&, const Profile&, const Settings&)> check = {};
 };
 
 // Every method that there is, in the order of the table in DESIGN section 2.

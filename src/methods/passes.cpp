@@ -19,11 +19,11 @@ gpu::ShaderText shader_file(std::string_view path) {
 namespace {
 
 gpu::Program build(const gpu::Context& context, const gpu::ShaderText& vertex,
-                   const std::vector<std::string>& fragment, std::vector<std::string> defines,
+                   const std::vector<gpu::ShaderText>& fragment, std::vector<std::string> defines,
                    bool counting) {
   if (counting) defines.emplace_back("INSTRUMENT");
   std::vector<gpu::ShaderText> pieces = {methods::shader_file("common.glsl")};
-  for (const std::string& piece : fragment) pieces.push_back(methods::shader_file(piece));
+  pieces.insert(pieces.end(), fragment.begin(), fragment.end());
   return {context, {vertex}, pieces, defines};
 }
 
@@ -34,7 +34,15 @@ PassProgram PassProgram::of_pieces(const gpu::Context& context, std::string_view
                                    const std::vector<std::string>& defines) {
   const gpu::ShaderText first =
       vertex.empty() ? gpu::FullScreen::vertex_shader() : methods::shader_file(vertex);
-  return {build(context, first, fragment, defines, false), build(context, first, fragment, defines, true)};
+  std::vector<gpu::ShaderText> pieces;
+  for (const std::string& piece : fragment) pieces.push_back(methods::shader_file(piece));
+  return {build(context, first, pieces, defines, false), build(context, first, pieces, defines, true)};
+}
+
+PassProgram PassProgram::of_texts(const gpu::Context& context, const std::vector<gpu::ShaderText>& fragment,
+                                  const std::vector<std::string>& defines) {
+  const gpu::ShaderText vertex = gpu::FullScreen::vertex_shader();
+  return {build(context, vertex, fragment, defines, false), build(context, vertex, fragment, defines, true)};
 }
 
 PassProgram::PassProgram(const gpu::Context& context, std::string_view fragment,

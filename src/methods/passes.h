@@ -47,6 +47,9 @@ struct PassProgram {
   static PassProgram of_pieces(const gpu::Context& context, std::string_view vertex,
                                const std::vector<std::string>& fragment,
                                const std::vector<std::string>& defines = {});
+  // The same of texts that are not part of the program, for a full-screen pass.
+  static PassProgram of_texts(const gpu::Context& context, const std::vector<gpu::ShaderText>& fragment,
+                              const std::vector<std::string>& defines);
 
  private:
   PassProgram(gpu::Program timed, gpu::Program counted)

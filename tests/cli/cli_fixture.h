@@ -81,4 +81,31 @@ inline bool contains(const std::string& text, const std::string& piece) {
   return text.find(piece) != std::string::npos;
 }
 
+// Wrong input: exit code 2, a message that starts with the program's name and says what is wrong, no results.
+class CliErrors : public Cli {
+ protected:
+  void expect_refused(const ProgramResult& result, const std::vector<std::string>& pieces) const {
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    for (const std::string& piece : pieces)
+      EXPECT_TRUE(contains(result.err, piece)) << piece << "\nin\n" << result.err;
+    EXPECT_FALSE(exists("out"));
+    EXPECT_FALSE(exists("runs"));
+  }
+};
+
+// What needs no computing is refused by --dry-run alike: to the letter, the stages' lines of `run` aside.
+class CliErrorsBeforeComputing : public CliErrors {
+ protected:
+  ProgramResult run(const std::string& experiment, std::vector<std::string> arguments = {}) const {
+    const ProgramResult result = Cli::run(experiment, arguments);
+    arguments.emplace_back("--dry-run");
+    const ProgramResult dry = Cli::run(experiment, arguments);
+    EXPECT_EQ(dry.exit_code, result.exit_code);
+    EXPECT_EQ(dry.out, "");
+    EXPECT_TRUE(dry.err.starts_with("truescatter: ")) << dry.err;
+    EXPECT_TRUE(result.err.ends_with(dry.err)) << dry.err << "\nis not the end of\n" << result.err;
+    return result;
+  }
+};
+
 }  // namespace truescatter::test

@@ -259,7 +259,9 @@ function chosenFacts() {
       ],
       [
         "Frame time",
-        isFree(run) ? "no pass" : `${number(frameMs(run))} ms, ${isSoftware ? "software rasteriser" : "GPU"}`
+        isFree(run)            ? "no pass" :
+        isNumber(frameMs(run)) ? `${number(frameMs(run))} ms, ${isSoftware ? "software rasteriser" : "GPU"}` :
+                                 lookUp(run, "cost.frame_ms.median").reason
       ],
       ["Settings", settingsText(run.settings)]
     ])
