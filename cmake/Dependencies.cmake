@@ -15,6 +15,7 @@ find_package(toml11 REQUIRED)
 find_package(PkgConfig REQUIRED)
 # OpenImageIO's CMake package asks for its tools and for OpenCV's headers; its pkg-config file does not.
 pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO)
+pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
 if(TRUESCATTER_TESTS)
   find_package(GTest REQUIRED)

@@ -64,7 +64,7 @@ int run(const RunArguments& arguments) {
       arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
   if (arguments.dry_run) {
     const Plan plan = make_plan(spec, arguments.export_inputs);
-    check_shaders(plan);
+    check_shaders(plan, arguments.gl);
     check_destination(folder);
     fmt::print("{}output {}: {}\n", describe_plan(spec, plan, check_scene(spec)), folder.string(),
                std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
@@ -73,7 +73,8 @@ int run(const RunArguments& arguments) {
   ResultFolder results(folder);
   const std::unique_ptr<TruthCache> cache =
       spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
-  const RunOutcome outcome = run_experiment(spec, results.working(), cache.get(), {}, {arguments.export_inputs});
+  const RunOutcome outcome =
+      run_experiment(spec, results.working(), cache.get(), {}, {arguments.gl, arguments.export_inputs});
   write_report(results.working());
   results.publish();
   fmt::print("{}\n", (folder / "report.html").string());

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "gpu/context.h"
+
 namespace truescatter::cli {
 
 // The commands of DESIGN section 4. Each returns the exit code: 0 done, 1 a stated threshold was exceeded;
@@ -15,6 +17,7 @@ struct RunArguments {
   std::vector<std::string> overrides;
   int jobs = 0;  // 0: all cores
   bool dry_run = false;
+  gpu::Backend gl = gpu::Backend::osmesa;
   bool export_inputs = false;  // what methods are given of each view is written too
   bool no_cache = false;       // truths are neither taken from the cache nor kept there
 };

@@ -47,6 +47,9 @@ int dispatch(int argc, char** argv) {
   run->add_option("--jobs", run_arguments.jobs, "Threads for truth and metrics (default: all cores)")
       ->check(CLI::Range(1, 4096));
   run->add_flag("--dry-run", run_arguments.dry_run, "Check the experiment and list what would run");
+  std::string gl = "osmesa";
+  run->add_option("--gl", gl, "OpenGL by osmesa (software; default) or by egl (a GPU where there is one)")
+      ->check(CLI::IsMember({"osmesa", "egl"}));
   run->add_flag(
       "--export-inputs", run_arguments.export_inputs,
       "Write what methods are given of each view as EXR, to inputs/; methods whose picture is not there "
@@ -106,6 +109,7 @@ int dispatch(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageError;
   }
+  run_arguments.gl = gl == "egl" ? truescatter::gpu::Backend::egl : truescatter::gpu::Backend::osmesa;
   if (run->parsed()) return truescatter::cli::run(run_arguments);
   if (truth->parsed()) return truescatter::cli::truth(truth_arguments);
   if (compare->parsed()) return truescatter::cli::compare(compare_arguments);

@@ -158,10 +158,10 @@ void check_shaders(const Plan& plan, const gpu::Context& context) {
   }
 }
 
-void check_shaders(const Plan& plan) {
+void check_shaders(const Plan& plan, gpu::Backend gl) {
   const bool any = std::any_of(plan.methods.begin(), plan.methods.end(),
                                [](const PlannedMethod& m) { return static_cast<bool>(m.method->check); });
-  if (any) check_shaders(plan, gpu::Context());
+  if (any) check_shaders(plan, gpu::Context(gl));
 }
 
 bool is_skipped(const PlannedMethod& method, bool has_uvs) { return method.method->needs_uvs && !has_uvs; }

@@ -43,7 +43,7 @@ Plan make_plan(const ExperimentSpec& spec, bool without_pictures = false);
 // Compiles the shaders that the experiment brings. Throws Error (input): see glsl_method.h.
 void check_shaders(const Plan& plan, const gpu::Context& context);
 // The same on a context of its own, which is made if there are any.
-void check_shaders(const Plan& plan);
+void check_shaders(const Plan& plan, gpu::Backend gl);
 
 // A truth that every view needs: a profile's headline, what methods set out to compute, or one that the
 // experiment asks for beside them.

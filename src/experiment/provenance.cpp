@@ -42,6 +42,8 @@ nlohmann::json provenance(const gpu::Context& context) {
           {"compiler", TRUESCATTER_COMPILER},
           {"build_type", TRUESCATTER_BUILD_TYPE},
           {"instruction_set", TRUESCATTER_ARCH},
+          {"gl_context", gpu::name_of(context.backend())},
+          {"gl_software", context.is_software()},
           {"gl_renderer", context.renderer()},
           {"gl_version", context.version()},
           {"rasteriser_threads", context.rasteriser_threads()},

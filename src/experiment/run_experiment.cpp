@@ -55,7 +55,7 @@ void make_folder(const std::filesystem::path& folder) {
 RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder, TruthCache* cache,
                           const SourceWrapper& wrap, const RunOptions& options) {
   const Plan plan = make_plan(spec, options.export_inputs);
-  const gpu::Context context;
+  const gpu::Context context(options.gl);
   check_shaders(plan, context);
   const PreparedScene scene = prepare_scene(spec);
   const SurfaceBuffers buffers(context, scene.shading);

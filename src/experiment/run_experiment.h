@@ -11,6 +11,7 @@ namespace truescatter {
 
 // How a run is done, beside what its experiment says.
 struct RunOptions {
+  gpu::Backend gl = gpu::Backend::osmesa;
   bool export_inputs =
       false;  // writes what methods are given of each view to inputs/, and skips what has no picture
 };

@@ -1,33 +1,20 @@
 #include "gpu/context.h"
 
-#include <GL/osmesa.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <string_view>
 #include <thread>
 
 #include "core/error.h"
+#include "gpu/platform.h"
 
 namespace truescatter::gpu {
-
-struct Context::Handle {
-  OSMesaContext context = nullptr;
-  std::array<unsigned char, 4 * 16 * 16> default_framebuffer{};
-
-  Handle() = default;
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() {
-    if (context != nullptr) OSMesaDestroyContext(context);
-  }
-};
-
 namespace {
 
 template <typename Function>
-void load(Function& function, const char* name) {
-  function = reinterpret_cast<Function>(OSMesaGetProcAddress(name));
+void load(const Platform& platform, Function& function, const char* name) {
+  function = reinterpret_cast<Function>(platform.find(name));
   if (function == nullptr) throw_run_error("OpenGL: the driver has no {}", name);
 }
 
@@ -38,29 +25,25 @@ int llvmpipe_threads() {
   return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 32);
 }
 
+// By Mesa's names for its rasterisers.
+bool names_software(std::string_view renderer) {
+  static constexpr std::array<std::string_view, 4> kNames = {"llvmpipe", "softpipe", "swrast", "SWR"};
+  return std::any_of(kNames.begin(), kNames.end(),
+                     [&](std::string_view name) { return renderer.find(name) != std::string_view::npos; });
+}
+
 }  // namespace
 
-Context::Context() : handle_(std::make_unique<Handle>()) {
-  static constexpr std::array<int, 9> kAttributes = {OSMESA_FORMAT,
-                                                     OSMESA_RGBA,
-                                                     OSMESA_PROFILE,
-                                                     OSMESA_CORE_PROFILE,
-                                                     OSMESA_CONTEXT_MAJOR_VERSION,
-                                                     4,
-                                                     OSMESA_CONTEXT_MINOR_VERSION,
-                                                     5,
-                                                     0};
-  handle_->context = OSMesaCreateContextAttribs(kAttributes.data(), nullptr);
-  if (handle_->context == nullptr) throw_run_error("OSMesa: cannot create an OpenGL 4.5 core context");
-  if (OSMesaMakeCurrent(handle_->context, handle_->default_framebuffer.data(), GL_UNSIGNED_BYTE, 16, 16) !=
-      GL_TRUE) {
-    throw_run_error("OSMesa: cannot make the context current");
-  }
-#define TRUESCATTER_LOAD(Type, Name) load(gl_.Name, "gl" #Name);
+std::string_view name_of(Backend backend) { return backend == Backend::egl ? "egl" : "osmesa"; }
+
+Context::Context(Backend backend)
+    : backend_(backend), platform_(backend == Backend::egl ? make_egl_platform() : make_osmesa_platform()) {
+#define TRUESCATTER_LOAD(Type, Name) load(*platform_, gl_.Name, "gl" #Name);
   TRUESCATTER_GL_FUNCTIONS(TRUESCATTER_LOAD)
 #undef TRUESCATTER_LOAD
   renderer_ = reinterpret_cast<const char*>(gl_.GetString(GL_RENDERER));
   version_ = reinterpret_cast<const char*>(gl_.GetString(GL_VERSION));
+  software_ = names_software(renderer_);
   if (renderer_.find("llvmpipe") != std::string::npos) rasteriser_threads_ = llvmpipe_threads();
 }
 

@@ -2,24 +2,35 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "gpu/gl_functions.h"
 
 namespace truescatter::gpu {
 
-// An off-screen OpenGL 4.5 core context on OSMesa (software, no display needed). It is current on the thread
-// that made it, and everything made from it is used and destroyed on that thread, before it.
-// Throws Error (run) when the driver refuses.
+class Platform;
+
+// Where a context comes from. Neither needs a display: OSMesa is a software rasteriser; EGL takes the first
+// device that has OpenGL 4.5, a GPU where there is one.
+enum class Backend { osmesa, egl };
+std::string_view name_of(Backend backend);
+
+// An off-screen OpenGL 4.5 core context. It is current on the thread that made it, and everything made from
+// it is used and destroyed on that thread, before it; a thread has one at a time. Throws Error (run) when the
+// driver refuses.
 class Context {
  public:
-  Context();
+  explicit Context(Backend backend = Backend::osmesa);
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
   const GlFunctions& gl() const { return gl_; }
+  Backend backend() const { return backend_; }
   const std::string& renderer() const { return renderer_; }
   const std::string& version() const { return version_; }
+  // Whether the renderer is a software rasteriser.
+  bool is_software() const { return software_; }
   // Threads of the software rasteriser (0: not a software rasteriser).
   int rasteriser_threads() const { return rasteriser_threads_; }
 
@@ -29,11 +40,12 @@ class Context {
   void finish() const { gl_.Finish(); }
 
  private:
-  struct Handle;
-  std::unique_ptr<Handle> handle_;
+  Backend backend_;
+  std::unique_ptr<Platform> platform_;
   GlFunctions gl_;
   std::string renderer_;
   std::string version_;
+  bool software_ = false;
   int rasteriser_threads_ = 0;
 };
 

@@ -6,7 +6,7 @@
 namespace truescatter::gpu {
 
 // Every OpenGL entry point that the project calls. All are loaded through the context
-// (OSMesaGetProcAddress): other loaders look for a display.
+// (OSMesaGetProcAddress, eglGetProcAddress): other loaders look for a display.
 #define TRUESCATTER_GL_FUNCTIONS(X)                            \
   X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                     \
   X(PFNGLATTACHSHADERPROC, AttachShader)                       \

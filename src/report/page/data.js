@@ -116,7 +116,8 @@ const inErrorUnits = (value) => (isNumber(value) ? value / 10 ** errorExponent :
 const errorUnit = errorExponent === 0 ? "" : TIMES + NARROW_SPACE + powerOfTen(errorExponent);
 
 const provenance = results.provenance || {};
-const isSoftware = /llvmpipe|softpipe|swrast|software/i.test(provenance.gl_renderer || "");
+const isSoftware = typeof provenance.gl_software === "boolean" ? provenance.gl_software :
+    /llvmpipe|softpipe|swrast|software/i.test(provenance.gl_renderer || "");
 const repeats = unique(runs.map((run) => lookUp(run, "cost.frame_ms.repeats").value).filter(isNumber));
 
 function timingNote() {

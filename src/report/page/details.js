@@ -231,7 +231,10 @@ function machineCard() {
         ],
         [
           "Renderer",
-          [provenance.gl_renderer, provenance.gl_version && "OpenGL " + provenance.gl_version]
+          [
+            provenance.gl_renderer, provenance.gl_version && "OpenGL " + provenance.gl_version,
+            {osmesa: "by OSMesa", egl: "by EGL"}[provenance.gl_context], isSoftware ? "software" : "GPU"
+          ]
               .filter(Boolean)
               .join("; ")
         ],
