@@ -571,13 +571,6 @@ std::string profile_toml(const ProfileSpec& profile) {
   return text + of;
 }
 
-// A path that means the same from any folder.
-std::string portable_path(const ExperimentSpec& spec, const std::string& path) {
-  const bool keep = path.empty() || path.starts_with("builtin:") || path.find("${") != std::string::npos ||
-                    std::filesystem::path(path).is_absolute();
-  return keep ? path : std::filesystem::absolute(spec.file.parent_path() / path).lexically_normal().string();
-}
-
 std::string scene_toml(const ExperimentSpec& spec) {
   const SceneSpec& scene = spec.scene;
   const auto portable = [&](const std::string& path) { return portable_path(spec, path); };

@@ -380,8 +380,7 @@ class ViewRunner {
     for (const LadderSpec::Rung& rung : ladder.rungs) {
       if (rung.truth.empty()) {
         const auto drawn = drawn_.find(rung.method);
-        if (drawn == drawn_.end())
-          return {{}, {}, fmt::format("'{}' does not run on this mesh", rung.method)};
+        if (drawn == drawn_.end()) return {{}, {}, fmt::format("'{}' was not run", rung.method)};
         rungs.all.push_back({rung.method, rung.assumption, &drawn->second});
         continue;
       }
