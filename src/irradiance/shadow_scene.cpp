@@ -3,11 +3,44 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "core/error.h"
 
 namespace truescatter {
+namespace {
+
+// A ray's context, and the triangles that it passes through as if they were not there. Embree hands it on to
+// the filter as its first member.
+struct PassingContext {
+  RTCIntersectContext context;
+  std::array<unsigned, 2> passed;
+};
+
+void pass_through(const RTCFilterFunctionNArguments* arguments) {
+  const auto* passing = reinterpret_cast<const PassingContext*>(arguments->context);
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    const unsigned triangle = RTCHitN_primID(arguments->hit, arguments->N, i);
+    if (triangle == passing->passed[0] || triangle == passing->passed[1]) arguments->valid[i] = 0;
+  }
+}
+
+RTCRay ray_between(const Vec3d& origin_mm, const Vec3d& direction, double near_mm, double far_mm) {
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(origin_mm.x());
+  ray.org_y = static_cast<float>(origin_mm.y());
+  ray.org_z = static_cast<float>(origin_mm.z());
+  ray.dir_x = static_cast<float>(direction.x());
+  ray.dir_y = static_cast<float>(direction.y());
+  ray.dir_z = static_cast<float>(direction.z());
+  ray.tnear = static_cast<float>(near_mm);
+  ray.tfar = static_cast<float>(std::min(far_mm, static_cast<double>(std::numeric_limits<float>::max())));
+  ray.mask = 0xFFFFFFFFU;
+  return ray;
+}
+
+}  // namespace
 
 struct ShadowScene::Handles {
   RTCDevice device = nullptr;
@@ -30,7 +63,8 @@ ShadowScene::ShadowScene(const Mesh& mesh) : handles_(std::make_unique<Handles>(
   handles_->device = rtcNewDevice(nullptr);
   if (handles_->device == nullptr) throw_run_error("Embree: cannot create a device");
   handles_->scene = rtcNewScene(handles_->device);
-  rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(handles_->scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST |
+                                                               RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions_mm.size()));
@@ -58,18 +92,22 @@ ShadowScene& ShadowScene::operator=(ShadowScene&&) noexcept = default;
 bool ShadowScene::occluded(const Vec3d& origin_mm, const Vec3d& direction, double distance_mm) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRay ray{};
-  ray.org_x = static_cast<float>(origin_mm.x());
-  ray.org_y = static_cast<float>(origin_mm.y());
-  ray.org_z = static_cast<float>(origin_mm.z());
-  ray.dir_x = static_cast<float>(direction.x());
-  ray.dir_y = static_cast<float>(direction.y());
-  ray.dir_z = static_cast<float>(direction.z());
-  ray.tnear = 0.0F;
-  ray.tfar =
-      static_cast<float>(std::min(distance_mm, static_cast<double>(std::numeric_limits<float>::max())));
-  ray.mask = 0xFFFFFFFFU;
+  RTCRay ray = ray_between(origin_mm, direction, 0.0, distance_mm);
   rtcOccluded1(handles_->scene, &context, &ray);
+  return ray.tfar < 0.0F;
+}
+
+bool ShadowScene::crossed_between(const Vec3d& from_mm, std::size_t from, const Vec3d& to_mm,
+                                  std::size_t to) const {
+  const Vec3d way = to_mm - from_mm;
+  const double length_mm = way.norm();
+  if (length_mm <= 2.0 * offset_mm_) return false;
+  PassingContext passing{};
+  rtcInitIntersectContext(&passing.context);
+  passing.context.filter = pass_through;
+  passing.passed = {static_cast<unsigned>(from), static_cast<unsigned>(to)};
+  RTCRay ray = ray_between(from_mm, way / length_mm, offset_mm_, length_mm - offset_mm_);
+  rtcOccluded1(handles_->scene, &passing.context, &ray);
   return ray.tfar < 0.0F;
 }
 
