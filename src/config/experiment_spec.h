@@ -150,6 +150,9 @@ struct TruthSpec {
   std::string geodesic = "own";
   // Every method is measured against the Euclidean truth of the visible surface too.
   bool visible_only = false;
+  // At how many pixels of each view Euclidean less geodesic truth is split by the ways that light takes; 0:
+  // none.
+  int light_paths = 0;
   bool cache = true;  // truths are looked for in the user's cache, and kept there
 };
 

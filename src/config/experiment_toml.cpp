@@ -307,6 +307,7 @@ TruthSpec read_truth(TomlTable table) {
   truth.seed = static_cast<std::uint64_t>(table.whole("seed", 1, 0, 2147483647));
   truth.geodesic = table.one_of("geodesic", truth.geodesic, {"own", "extra", "off"});
   truth.visible_only = table.flag("visible_only", truth.visible_only);
+  truth.light_paths = table.whole("light_paths", truth.light_paths, 0, 1000000);
   truth.cache = table.flag("cache", truth.cache);
   table.finish();
   return truth;
@@ -641,7 +642,7 @@ std::string to_toml(const ExperimentSpec& spec) {
   text += "\n[truth]\n" + line("tolerance", spec.truth.tolerance) +
           line("audit_points", spec.truth.audit_points) + line("seed", spec.truth.seed) +
           line("geodesic", spec.truth.geodesic) + line("visible_only", spec.truth.visible_only) +
-          line("cache", spec.truth.cache);
+          line("light_paths", spec.truth.light_paths) + line("cache", spec.truth.cache);
   text += "\n[timing]\n" + line("warm_up", spec.timing.warm_up) + line("repeats", spec.timing.repeats);
   for (const ThresholdSpec& threshold : spec.thresholds) {
     text += "\n[[threshold]]\n" + line("method", threshold.method) + line("metric", threshold.metric) +

@@ -63,7 +63,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const bool geodesic = std::any_of(planned.begin(), planned.end(), [](const PlannedTruth& truth) {
     return truth.target.geodesic && truth.not_computed.empty();
   });
-  const SceneTruths truths(scene, spec.truth, geodesic, cache, wrap);
+  const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, cache, wrap);
   const std::filesystem::path inputs = options.export_inputs ? folder / "inputs" : "";
   if (!inputs.empty()) make_folder(inputs);
   const Setup setup{spec, plan, scene, context, buffers, truths, inputs};
@@ -79,6 +79,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                   {"views", json::array()},
                   {"truths", json::array()},
                   {"fit_errors", json::array()},
+                  {"light_paths", json::array()},
                   {"runs", json::array()},
                   {"ladders", json::array()}};
   for (const Profile& profile : plan.profiles) {

@@ -11,6 +11,7 @@
 #include "core/progress.h"
 #include "experiment/frame_files.h"
 #include "experiment/ladder.h"
+#include "experiment/light_path_sample.h"
 #include "experiment/metrics_json.h"
 #include "experiment/own_method.h"
 #include "experiment/profile_truth.h"
@@ -246,6 +247,10 @@ class ViewRunner {
 
   void measure_profile(const Profile& profile, Progress& progress) {
     const ProfileTruths truths = assemble(profile);
+    if (setup_.spec.truth.light_paths > 0) {
+      results_["light_paths"].push_back(
+          light_paths_json(name_, {setup_.scene, setup_.truths, truth_, profile, setup_.spec.truth}));
+    }
     const TruthImage& headline = truths.headline().image;
     const FlipReference flip(exposed(headline.rgb, setup_.exposure()));
     add_truths(profile, truths);

@@ -23,8 +23,9 @@ std::string page_file(std::string_view name) {
 
 std::string all_scripts() {
   std::string text;
-  for (const char* name : {"base.js", "data.js", "summary.js", "scatter.js", "halo.js", "pictures.js",
-                           "viewer.js", "fit.js", "tables.js", "ladder.js", "details.js", "report.js"}) {
+  for (const char* name :
+       {"base.js", "data.js", "summary.js", "scatter.js", "halo.js", "pictures.js", "viewer.js", "fit.js",
+        "paths.js", "tables.js", "ladder.js", "details.js", "report.js"}) {
     text += page_file(name);
   }
   return text;

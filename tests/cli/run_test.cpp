@@ -570,6 +570,29 @@ TEST_F(CliRun, MeasuresAgainstTheVisibleSurfaceWhereAskedTo) {
   }
 }
 
+// A plane has none of any: G of two distances that are equal but for rounding. What r_max = 4.5 mm cuts off
+// is exp(-4.5^2 / 2 v) of each channel's Gaussian of variance v (2.3, 1.4, 1.1 mm^2) and weight (0.85, 0.82,
+// 0.80); the quadrature is cut by the circle, see light_paths_test.cpp.
+TEST_F(CliRun, SplitsLightByItsWayWhereAskedTo) {
+  const std::string wide = with(kTiny, "size_mm = 20.0", "size_mm = 60.0");
+  const ProgramResult result = run(with(wide, "[timing]", "[truth]\nlight_paths = 20\n[timing]"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json paths = json("out/results.json").at("light_paths");
+  ASSERT_EQ(paths.size(), 1U);
+  const Json& entry = paths.at(0);
+  EXPECT_EQ(entry.at("view"), "front");
+  EXPECT_EQ(entry.at("points"), 20);
+  for (const std::string part : {"transmittance", "air", "curvature", "sum"})
+    EXPECT_LT(entry.at(part).at("rms").get<double>(), 1e-9) << part;
+  const double cut = 0.2126 * 0.85 * std::exp(-10.125 / 2.3) + 0.7152 * 0.82 * std::exp(-10.125 / 1.4) +
+                     0.0722 * 0.80 * std::exp(-10.125 / 1.1);
+  EXPECT_NEAR(entry.at("beyond_r_max").at("mean").get<double>(), cut, 6e-4);
+  EXPECT_LE(entry.at("sum_check").at("max_difference").get<double>(),
+            entry.at("sum_check").at("allowed").get<double>());
+  ASSERT_EQ(run(kTiny).exit_code, 0);
+  EXPECT_TRUE(json("out/results.json").at("light_paths").empty());
+}
+
 TEST_F(CliRun, SwitchedOffGeodesicTruthsLeaveAReason) {
   const std::string experiment = with(with(kTiny, "\"pscbf\"", "\"texture-space\""), "[timing]",
                                       "[truth]\ngeodesic = \"off\"\n[timing]");

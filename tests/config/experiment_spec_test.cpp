@@ -130,6 +130,7 @@ seed = 42
 geodesic = "extra"
 cache = false
 visible_only = true
+light_paths = 2000
 
 [timing]
 warm_up = 4
@@ -250,6 +251,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.truth.geodesic, "extra");
   EXPECT_FALSE(spec.truth.cache);
   EXPECT_TRUE(spec.truth.visible_only);
+  EXPECT_EQ(spec.truth.light_paths, 2000);
   EXPECT_EQ(spec.timing.warm_up, 4);
   EXPECT_EQ(spec.timing.repeats, 9);
 
@@ -290,6 +292,7 @@ TEST_F(ExperimentSpecTest, HasTheDocumentedDefaults) {
   EXPECT_EQ(spec.truth.geodesic, "own");
   EXPECT_TRUE(spec.truth.cache);
   EXPECT_FALSE(spec.truth.visible_only);
+  EXPECT_EQ(spec.truth.light_paths, 0);
   EXPECT_EQ(spec.timing.warm_up, 1);
   EXPECT_EQ(spec.timing.repeats, 3);
   EXPECT_TRUE(spec.thresholds.empty());
@@ -380,6 +383,7 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
   EXPECT_EQ(a.truth.geodesic, b.truth.geodesic);
   EXPECT_EQ(a.truth.cache, b.truth.cache);
   EXPECT_EQ(a.truth.visible_only, b.truth.visible_only);
+  EXPECT_EQ(a.truth.light_paths, b.truth.light_paths);
   EXPECT_EQ(a.timing.warm_up, b.timing.warm_up);
   EXPECT_EQ(a.timing.repeats, b.timing.repeats);
   ASSERT_EQ(a.thresholds.size(), b.thresholds.size());

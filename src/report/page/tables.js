@@ -273,7 +273,7 @@ function caseTable(c, channel) {
         h("span", {class: "muted"}, measuredNote(c))),
       h("div", {class: "scroll panel"},
         h("table", {class: "metrics"}, tableHead(), h("tbody", {}, tableRows(c, channel), skippedRows(c)))),
-      dashNotes(c, channel), fitTable(c, channel));
+      dashNotes(c, channel), fitTable(c, channel), pathTable(c));
 }
 
 function measuredNote(c) {
