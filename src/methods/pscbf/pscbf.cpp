@@ -1,8 +1,9 @@
+#include "methods/pscbf/pscbf.h"
+
 #include <cmath>
 #include <limits>
 #include <memory>
 
-#include "methods/method.h"
 #include "methods/pscbf/taps.h"
 #include "methods/screen_filter.h"
 #include "methods/screen_levels.h"
