@@ -27,6 +27,8 @@ struct SceneSpec {
   bool flip_v = false;    // for files that break their format's convention for v
   std::string skin_mask;  // path of a UV texture; empty: all is skin
   SourceLocation skin_mask_where;
+  std::string transmitter_mask;  // path of a UV texture; empty: all skin transmits
+  SourceLocation transmitter_mask_where;
   std::string normal_map;  // path of a tangent-space map in UV; empty: none
   SourceLocation normal_map_where;
   double normal_map_strength = 1.0;     // multiplies its slope

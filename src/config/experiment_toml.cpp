@@ -39,6 +39,8 @@ SceneSpec read_scene(TomlTable table) {
   scene.flip_v = table.flag("flip_v", false);
   scene.skin_mask = table.text("skin_mask", "");
   scene.skin_mask_where = table.where("skin_mask");
+  scene.transmitter_mask = table.text("transmitter_mask", "");
+  scene.transmitter_mask_where = table.where("transmitter_mask");
   scene.normal_map = table.text("normal_map", "");
   scene.normal_map_where = table.where("normal_map");
   scene.normal_map_strength = table.number("normal_map_strength", 1.0, 0.0, 100.0);
@@ -581,6 +583,7 @@ std::string scene_toml(const ExperimentSpec& spec) {
             line("loop_subdivisions", scene.loop_subdivisions) + line("flip_v", scene.flip_v);
   }
   if (!scene.skin_mask.empty()) text += line("skin_mask", portable(scene.skin_mask));
+  if (!scene.transmitter_mask.empty()) text += line("transmitter_mask", portable(scene.transmitter_mask));
   if (!scene.normal_map.empty()) {
     text += line("normal_map", portable(scene.normal_map)) +
             line("normal_map_strength", scene.normal_map_strength) +

@@ -125,11 +125,25 @@ Image load_texture(const ExperimentSpec& spec, bool has_uvs, const TextureKey& t
 
 Image read_as_stored(const std::filesystem::path& path) { return read_image(path); }
 
-SkinMask load_mask(const ExperimentSpec& spec, bool has_uvs) {
-  const SceneSpec& scene = spec.scene;
-  if (scene.skin_mask.empty()) return {};
-  return SkinMask(
-      load_texture(spec, has_uvs, {"skin_mask", scene.skin_mask, scene.skin_mask_where}, 1, read_as_stored));
+SkinMask load_mask(const ExperimentSpec& spec, bool has_uvs, const TextureKey& texture) {
+  if (texture.path.empty()) return {};
+  return SkinMask(load_texture(spec, has_uvs, texture, 1, read_as_stored));
+}
+
+SkinMask load_skin_mask(const ExperimentSpec& spec, bool has_uvs) {
+  return load_mask(spec, has_uvs, {"skin_mask", spec.scene.skin_mask, spec.scene.skin_mask_where});
+}
+
+// White on what transmits, of the skin.
+SkinMask load_transmitter_mask(const ExperimentSpec& spec, bool has_uvs) {
+  return load_mask(spec, has_uvs,
+                   {"transmitter_mask", spec.scene.transmitter_mask, spec.scene.transmitter_mask_where});
+}
+
+// By the centroids of the triangles, which are not cut along this mask.
+void mark_transmitters(ShadingMesh& shading, const SkinMask& mask) {
+  for (ShadingTriangle& triangle : shading.triangles)
+    triangle.transmits = mask.is_skin((triangle.uvs[0] + triangle.uvs[1] + triangle.uvs[2]) / 3.0);
 }
 
 Image load_normal_image(const ExperimentSpec& spec, bool has_uvs) {
@@ -179,7 +193,8 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
                          : resolve_path(spec, spec.scene.mesh, spec.scene.mesh_where).string()};
   if (scene.mesh.has_uvs()) scene.uvs = inspect_uvs(scene.mesh);
   scene.albedo = load_albedo(spec, scene.mesh.has_uvs());
-  const SkinMask mask = load_mask(spec, scene.mesh.has_uvs());
+  const SkinMask mask = load_skin_mask(spec, scene.mesh.has_uvs());
+  const SkinMask transmitters = load_transmitter_mask(spec, scene.mesh.has_uvs());
   std::vector<Light> lights;
   for (const LightSpec& light : spec.lights) lights.push_back(light_of(spec, light));
   const Lighting lighting(scene.mesh, lights, load_normal_map(spec, scene.mesh),
@@ -189,6 +204,7 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
                       "a point light lies on the mesh, where its irradiance has no bound");
   }
   scene.shading = make_shading_mesh(scene.mesh, lighting, mask, refinement_of(spec));
+  mark_transmitters(scene.shading, transmitters);
   scene.shading.residual = measure_residual(scene.shading, lighting, kResidualSamples, spec.truth.seed);
   scene.largest_irradiance = largest_skin_irradiance(scene.shading);
   if (scene.shading.component_count == 0)
@@ -209,7 +225,8 @@ SceneOutline check_scene(const ExperimentSpec& spec) {
     // Subdivision fails on nothing that loading lets pass.
     outline.has_uvs = load_mesh_file(spec, 0).has_uvs();
   }
-  load_mask(spec, outline.has_uvs);
+  load_skin_mask(spec, outline.has_uvs);
+  load_transmitter_mask(spec, outline.has_uvs);
   load_normal_image(spec, outline.has_uvs);
   load_albedo(spec, outline.has_uvs);
   for (const LightSpec& light : spec.lights) light_of(spec, light);

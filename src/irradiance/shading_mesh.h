@@ -22,7 +22,8 @@ struct ShadingTriangle {
   std::size_t base = 0;                   // the triangle of the scene's mesh
   std::array<Vec3d, 3> base_barycentric;  // of the corners, in the base triangle
   bool skin = true;
-  int component = -1;  // connected piece of skin; -1 for what is not skin
+  bool transmits = true;  // methods that draw transmitters draw it; the truth does not know it
+  int component = -1;     // connected piece of skin; -1 for what is not skin
 };
 
 // How well the piecewise linear irradiance resolves the real lighting, in units of the skin's largest

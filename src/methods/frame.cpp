@@ -17,8 +17,9 @@ struct CornerVertex {
   Vec3f irradiance;
   Vec2f uv;
   float skin;
+  float transmits;
 };
-static_assert(sizeof(CornerVertex) == 15 * sizeof(float));
+static_assert(sizeof(CornerVertex) == 16 * sizeof(float));
 
 std::vector<CornerVertex> corner_vertices(const ShadingMesh& shading) {
   std::vector<CornerVertex> vertices;
@@ -30,7 +31,8 @@ std::vector<CornerVertex> corner_vertices(const ShadingMesh& shading) {
     for (std::size_t c = 0; c < 3; ++c) {
       vertices.push_back({shading.corner(triangle, c).cast<float>(), face_normal,
                           triangle.normals[c].cast<float>(), triangle.irradiance[c].cast<float>(),
-                          triangle.uvs[c].cast<float>(), triangle.skin ? 1.0F : 0.0F});
+                          triangle.uvs[c].cast<float>(), triangle.skin ? 1.0F : 0.0F,
+                          triangle.transmits ? 1.0F : 0.0F});
     }
   }
   return vertices;
@@ -80,7 +82,7 @@ SurfaceBuffers::SurfaceBuffers(const gpu::Context& context, const ShadingMesh& s
                 vertices.data(), GL_STATIC_DRAW);
   std::size_t offset = 0;
   unsigned attribute = 0;
-  for (const int components : {3, 3, 3, 3, 2, 1}) {
+  for (const int components : {3, 3, 3, 3, 2, 1, 1}) {
     gl.EnableVertexAttribArray(attribute);
     gl.VertexAttribPointer(attribute, components, GL_FLOAT, GL_FALSE, sizeof(CornerVertex),
                            reinterpret_cast<const void*>(offset));

@@ -14,7 +14,8 @@
 namespace truescatter {
 
 // The shading mesh on the GPU, corner by corner (three vertices a triangle, none shared): attributes
-// 0 position (world, mm), 1 face normal, 2 interpolated normal, 3 irradiance, 4 uv, 5 skin (0 or 1).
+// 0 position (world, mm), 1 face normal, 2 interpolated normal, 3 irradiance, 4 uv, 5 skin (0 or 1),
+// 6 transmits (0 or 1).
 class SurfaceBuffers {
  public:
   SurfaceBuffers(const gpu::Context& context, const ShadingMesh& shading);

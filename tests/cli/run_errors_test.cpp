@@ -204,7 +204,7 @@ TEST_F(CliErrorsBeforeComputing, ATextureThatIsNotFinite) {
   Image image(4, 4, 3, 0.5F);
   image.at(1, 2, 0) = std::numeric_limits<float>::quiet_NaN();
   write_exr(folder_.path() / "t.exr", {{"", &image}});
-  for (const std::string key : {"skin_mask", "normal_map", "albedo"}) {
+  for (const std::string key : {"skin_mask", "transmitter_mask", "normal_map", "albedo"}) {
     expect_refused(
         run(with(kTiny, "[scene.parameters]", key + " = \"t.exr\"\n[scene.parameters]")),
         {"truescatter: e.toml:5:", "'scene." + key + "' must be finite, but ", "t.exr holds a value"});

@@ -593,6 +593,25 @@ TEST_F(CliRun, SplitsLightByItsWayWhereAskedTo) {
   EXPECT_TRUE(json("out/results.json").at("light_paths").empty());
 }
 
+// A slab lit from behind: through it comes light, unless the mask leaves no transmitter.
+TEST_F(CliRun, LetsLightThroughTransmittersOnly) {
+  const std::string slab =
+      with(with(with(kTiny, "builtin:plane", "builtin:slab"), "[0.0, 0.5, 1.0]", "[0.0, 0.5, -1.0]"),
+           "\"none\"", "\"pscbf-transmit\"");
+  const auto difference = [&](const std::string& experiment) {
+    const ProgramResult result = run(with(experiment, "size_mm = 20.0", "thickness_mm = 1.0"));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Json runs = json("out/results.json").at("runs");
+    return runs.at(0).at("metrics").at("bias").get<double>() -
+           runs.at(1).at("metrics").at("bias").get<double>();
+  };
+  EXPECT_GT(difference(slab), 0.1);
+  write_png(folder_.path() / "dark.png", Image(8, 8, 3, 0.0F));
+  EXPECT_EQ(
+      difference(with(slab, "[scene.parameters]", "transmitter_mask = \"dark.png\"\n[scene.parameters]")),
+      0.0);
+}
+
 TEST_F(CliRun, SwitchedOffGeodesicTruthsLeaveAReason) {
   const std::string experiment = with(with(kTiny, "\"pscbf\"", "\"texture-space\""), "[timing]",
                                       "[truth]\ngeodesic = \"off\"\n[timing]");

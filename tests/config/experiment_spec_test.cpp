@@ -43,6 +43,7 @@ unit_mm = 10.0
 normals = "angle-weighted"
 loop_subdivisions = 2
 skin_mask = "masks/skin.png"
+transmitter_mask = "masks/ears.png"
 albedo = "maps/albedo.png"
 normal_map = "maps/normal.png"
 normal_map_strength = 1.5
@@ -168,10 +169,12 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.scene.loop_subdivisions, 2);
   EXPECT_EQ(spec.scene.skin_mask, "masks/skin.png");
   EXPECT_EQ(spec.scene.skin_mask_where.line, 13);
+  EXPECT_EQ(spec.scene.transmitter_mask, "masks/ears.png");
+  EXPECT_EQ(spec.scene.transmitter_mask_where.line, 14);
   EXPECT_EQ(spec.scene.normal_map, "maps/normal.png");
-  EXPECT_EQ(spec.scene.normal_map_where.line, 15);
+  EXPECT_EQ(spec.scene.normal_map_where.line, 16);
   EXPECT_EQ(spec.scene.albedo, "maps/albedo.png");
-  EXPECT_EQ(spec.scene.albedo_where.line, 14);
+  EXPECT_EQ(spec.scene.albedo_where.line, 15);
   EXPECT_EQ(spec.scene.normal_map_strength, 1.5);
   EXPECT_EQ(spec.scene.normal_map_green, "down");
   EXPECT_EQ(spec.scene.obtain, "ask\nfor it");
@@ -209,7 +212,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   ASSERT_EQ(spec.profiles.size(), 3U);
   EXPECT_EQ(spec.profiles[0].name, "skin-six-gaussian");
   EXPECT_TRUE(spec.profiles[0].builtin);
-  EXPECT_EQ(spec.profiles[0].where.line, 58);
+  EXPECT_EQ(spec.profiles[0].where.line, 59);
   EXPECT_FALSE(spec.profiles[1].builtin);
   EXPECT_EQ(spec.profiles[1].delta_weight, Vec3d(0.1, 0.2, 0.3));
   EXPECT_EQ(spec.profiles[1].r_max_mm, 7.5);
@@ -222,7 +225,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_FALSE(spec.profiles[0].of);
   const ProfileModelSpec& slab = spec.profiles[1].of.value();
   EXPECT_EQ(slab.model, "multipole");
-  EXPECT_EQ(slab.where.line, 71);
+  EXPECT_EQ(slab.where.line, 72);
   EXPECT_EQ(slab.material, "");
   EXPECT_EQ(slab.sigma_a_per_mm, Vec3d(0.1, 0.2, 0.4));
   EXPECT_EQ(slab.sigma_s_prime_per_mm, Vec3d(2.0, 2.0, 2.0));
@@ -233,7 +236,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_TRUE(spec.profiles[2].builtin);
   EXPECT_EQ(skin.model, "better-dipole");
   EXPECT_EQ(skin.material, "skin2");
-  EXPECT_EQ(skin.material_where.line, 82);
+  EXPECT_EQ(skin.material_where.line, 83);
   EXPECT_EQ(skin.tolerance, 1e-5);
 
   ASSERT_EQ(spec.methods.size(), 2U);
@@ -243,7 +246,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.methods[1].label, "pscbf-7");
   EXPECT_EQ(std::get<double>(spec.methods[1].settings.at("taps")), 7.0);
   EXPECT_EQ(std::get<std::string>(spec.methods[1].settings.at("placement")), "centroid");
-  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 91);
+  EXPECT_EQ(spec.methods[1].settings_where.at("taps").line, 92);
 
   EXPECT_EQ(spec.truth.tolerance, 1e-9);
   EXPECT_EQ(spec.truth.audit_points, 300);
@@ -406,6 +409,7 @@ TEST_F(ExperimentSpecTest, AResolvedFileGivesTheSameExperiment) {
   const ExperimentSpec again = read(to_toml(read(kFull)));
   EXPECT_EQ(again.scene.mesh, (folder_.path() / "head.obj").string());
   EXPECT_EQ(again.scene.skin_mask, (folder_.path() / "masks/skin.png").string());
+  EXPECT_EQ(again.scene.transmitter_mask, (folder_.path() / "masks/ears.png").string());
   EXPECT_EQ(again.scene.albedo, (folder_.path() / "maps/albedo.png").string());
   EXPECT_EQ(again.scene.normal_map, (folder_.path() / "maps/normal.png").string());
   EXPECT_EQ(again.lights[2].map, (folder_.path() / "maps/sky.hdr").string());

@@ -69,6 +69,24 @@ TEST(PscbfTransmit, AddsToWhatIsNormalisedAlready) {
   EXPECT_NEAR(at_middle(scene, "pscbf-transmit", {}) - 1.0, std::exp(-0.5 * 4.0 / 2.25), 2.5e-5);
 }
 
+// Only transmitters are drawn: with the mask on the right half alone, points there are lit from behind as
+// before, points on the left, whose taps reach 1.15 s = 1.7 mm, not at all.
+TEST(PscbfTransmit, KeepsToItsTransmitters) {
+  const Scene lit = lit_slab(2.0, 0.0, 0.0, 300.0, 24.0, 96);
+  ShadingMesh masked = lit.shading();
+  for (ShadingTriangle& triangle : masked.triangles) {
+    double middle = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) middle += masked.corner(triangle, c).x();
+    triangle.transmits = middle > 0.0;
+  }
+  const Profile profile = test::one_gaussian(kStdDevMm, kRMaxMm);
+  const Image all = lit.run(find_method("pscbf-transmit"), profile);
+  const Image half = Scene(std::move(masked), lit.frame().camera).run(find_method("pscbf-transmit"), profile);
+  EXPECT_GT(all.at(24, 48, 0), 0.4F);
+  EXPECT_EQ(half.at(24, 48, 0), 0.0F);
+  EXPECT_EQ(half.at(72, 48, 0), all.at(72, 48, 0));
+}
+
 // Seen at an angle the far side lies t / cos(theta) behind, and a tap q s off (in the surface) is deeper by
 // another q s sin(theta): sum_q exp(-(t / (s cos(theta)) + q sin(theta))^2 / 2) / 4 over the four medians q,
 // which is the manual's formula but for the taps, and far below the truth exp(-t^2 / 2 s^2). From 2000 mm the

@@ -5,6 +5,7 @@ layout(location = 2) in vec3 normal;
 layout(location = 3) in vec3 irradiance;
 layout(location = 4) in vec2 uv;
 layout(location = 5) in float skin;
+layout(location = 6) in float transmits;
 
 uniform mat4 view;
 uniform mat4 projection;
@@ -15,6 +16,7 @@ out vec3 v_normal;
 out vec3 v_irradiance;
 out vec2 v_uv;
 flat out float v_skin;
+flat out float v_transmits;
 out vec2 v_barycentric;
 
 void main() {
@@ -25,6 +27,7 @@ void main() {
   v_irradiance = irradiance;
   v_uv = uv;
   v_skin = skin;
+  v_transmits = transmits;
   int corner = gl_VertexID % 3;
   v_barycentric = vec2(corner == 1, corner == 2);
   gl_Position = projection * p;

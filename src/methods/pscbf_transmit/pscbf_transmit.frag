@@ -6,9 +6,9 @@
 // contribution is scaled by sqrt(max(0, -n_t . n_o)), with interpolated normals.
 //
 //   result = pscbf + sum over Gaussians i of w_i T_i,
-//   T_i = sum over 16 taps t of p_t sqrt(max(0, -n_t . n_o)) exp(-(E_t - E_o)^2 / 2 s_i^2) I_t m_t,
+//   T_i = sum over 16 taps t of p_t sqrt(max(0, -n_t . n_o)) exp(-(E_t - E_o)^2 / 2 s_i^2) I_t,
 //
-// E being the view-space depth, I_t and n_t read from the back buffer, m_t 1 on a transmitter and 0 elsewhere.
+// E being the view-space depth, I_t and n_t read from the back buffer, and I_t 0 where that is empty.
 //
 // Open in the source, and what we take: the taps are 4 x 4, each axis 4 taps of equal probability under red's Gaussian
 // laid over d'_a as pscbf lays its own, p_t the product of the axes' weights, green's and blue's corrected likewise;
@@ -17,7 +17,8 @@
 // integral; it is added to all Gaussians of the profile (d'Eon & Luebke: to the wide ones); the nearest of several back
 // faces is kept.
 //
-// Settings: those of pscbf, for the local part; placement and r_max_mm serve these taps too. Transmitters are the skin.
+// Settings: those of pscbf, for the local part; placement and r_max_mm serve these taps too. Transmitters are the skin that
+//   the scene's `transmitter_mask` marks, without one all of it; the mask is read at the centroids of triangles.
 // Own target: Euclidean, normalised, not cut off: what light through the body adds to the local filter's.
 // Cost: pscbf, two passes over the geometry, and one of up to 3 + 16 * 2 reads for each Gaussian.
 // Fails: thickness is taken along the view, so a slab seen at an angle theta seems 1 / cos(theta) thicker, and the
