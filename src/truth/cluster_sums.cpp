@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "truth/edge_fast.h"
@@ -61,7 +62,8 @@ class ClusterSums {
         sign_(sign),
         only_closed_(only_closed),
         out_(out),
-        unit_per_mm_(std::sqrt(0.5 * std::log2(std::exp(1.0))) / plan.layer.std_dev_mm) {}
+        unit_per_mm_(std::sqrt(0.5 * std::log2(std::exp(1.0))) / plan.layer.std_dev_mm),
+        reach_(static_cast<Scalar>(unit_per_mm_ * plan.reach_mm)) {}
 
   void add(std::span<std::uint32_t> ids) {
     const Eigen::AlignedBox3d box = box_of(points_, ids);
@@ -237,6 +239,7 @@ class ClusterSums {
       const Run& run = runs_[r];
       const Scalar farthest = leaf.reach_and_radius + run.radius;
       if ((run.middle - leaf.center).squaredNorm() > farthest * farthest) continue;
+      if (!reaches_any(leaf, run)) continue;
       if (surface_.gray) {
         add_nodes<2>(run, leaf, sums.recent);
       } else {
@@ -245,6 +248,20 @@ class ClusterSums {
       sums.recent_nodes += run.end - run.begin;
       if (sums.recent_nodes >= kMaxRecent) sums.settle();
     }
+  }
+
+  // Whether any of the leaf's points, not just its circle, reaches the run.
+  bool reaches_any(const Leaf& leaf, const Run& run) const {
+    const Lane x = leaf.position[0] - run.middle[0];
+    const Lane y = leaf.position[1] - run.middle[1];
+    const Lane z = leaf.position[2] - run.middle[2];
+    const Scalar farthest = reach_ + run.radius;
+    const auto reached = (x * x + y * y + z * z) <= farthest * farthest;
+    std::array<std::uint64_t, sizeof(reached) / sizeof(std::uint64_t)> words;
+    std::memcpy(words.data(), &reached, sizeof(reached));
+    std::uint64_t any = 0;
+    for (const std::uint64_t word : words) any |= word;
+    return any != 0;
   }
 
   template <std::size_t kFirstChannel>
@@ -317,6 +334,7 @@ class ClusterSums {
   bool only_closed_;
   std::vector<Vec4d>& out_;
   double unit_per_mm_;
+  Scalar reach_;  // in units
   Vec3d origin_mm_ = Vec3d::Zero();
   std::vector<Node> nodes_;
   std::vector<Run> runs_;

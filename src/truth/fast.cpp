@@ -1,6 +1,7 @@
 #include "truth/fast.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <map>
@@ -25,17 +26,19 @@ constexpr std::size_t kTaskPoints = 1024;
 constexpr double kVisitCost = 900.0;    // spreading a node or gathering a point
 constexpr double kGroupCost = 20000.0;  // reading or writing the lattice points around one cell
 
+using Tasks = std::vector<std::span<std::uint32_t>>;
+
 // Points of one component, cut into boxes of at most kTaskPoints: the units of parallel work. The cut depends
 // on the points alone.
-void cut_into_tasks(std::span<const SurfacePoint> points, std::span<std::uint32_t> ids,
-                    std::vector<std::span<std::uint32_t>>& tasks) {
-  if (ids.size() <= kTaskPoints) {
-    if (!ids.empty()) tasks.push_back(ids);
-    return;
-  }
+Tasks cut_into_tasks(std::span<const SurfacePoint> points, std::span<std::uint32_t> ids) {
+  if (ids.size() <= kTaskPoints) return ids.empty() ? Tasks{} : Tasks{ids};
   const std::size_t half = split_points(points, ids);
-  cut_into_tasks(points, ids.first(half), tasks);
-  cut_into_tasks(points, ids.subspan(half), tasks);
+  std::array<Tasks, 2> parts;
+  parallel_for(2, [&](std::size_t i) {
+    parts[i] = cut_into_tasks(points, i == 0 ? ids.first(half) : ids.subspan(half));
+  });
+  parts[0].insert(parts[0].end(), parts[1].begin(), parts[1].end());
+  return std::move(parts[0]);
 }
 
 // Under white light the three channels are one: a scene needs no more.
@@ -45,8 +48,6 @@ bool is_gray(const Surface& surface) {
                        [](const Vec3d& v) { return v.x() == v.y() && v.y() == v.z(); });
   });
 }
-
-using Tasks = std::vector<std::span<std::uint32_t>>;
 
 // The radius of kLanes neighbouring points, in the median over the tasks.
 double median_leaf_mm(std::span<const SurfacePoint> points, const std::map<int, Tasks>& tasks) {
@@ -276,7 +277,7 @@ void convolve_with(const Surface& surface, const TriangleTree& tree,
   std::map<int, std::vector<std::uint32_t>> by_component;
   for (std::uint32_t i = 0; i < points.size(); ++i) by_component[points[i].component].push_back(i);
   std::map<int, Tasks> tasks;
-  for (auto& [component, ids] : by_component) cut_into_tasks(points, ids, tasks[component]);
+  for (auto& [component, ids] : by_component) tasks[component] = cut_into_tasks(points, ids);
   const Shared shared{
       {surface, tree, bounds, is_gray(surface)}, points_box, median_leaf_mm(points, tasks), tolerance};
 

@@ -1,5 +1,9 @@
 #include "truth/layer_plan.h"
 
+#include <algorithm>
+
+#include "core/parallel.h"
+
 namespace truescatter {
 namespace {
 
@@ -25,15 +29,18 @@ LayerPlan plan_layer(const std::vector<TriangleBounds>& bounds, const Eigen::Ali
   const RuleChooser chooser(wanted.budget, beyond, kMaxParts);
   LayerPlan plan{wanted.layer, wanted.part, wanted.reach_mm, leaf_mm, {}};
   plan.split.resize(bounds.size());
-  for (std::size_t t = 0; t < bounds.size(); ++t) {
-    const double radius_mm = bounds[t].radius_mm;
-    if (points_box.exteriorDistance(bounds[t].centroid_mm) > wanted.reach_mm + radius_mm) continue;
-    const Split split = chooser.choose(radius_mm / s);
-    if (split.rule == nullptr) continue;
-    if (wanted.closed_allowed && visited_nodes(split, radius_mm, wanted.reach_mm, leaf_mm) > kClosedCost)
-      continue;
-    plan.split[t] = split;
-  }
+  constexpr std::size_t kChunk = 4096;
+  parallel_for((bounds.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    for (std::size_t t = chunk * kChunk; t < std::min(bounds.size(), (chunk + 1) * kChunk); ++t) {
+      const double radius_mm = bounds[t].radius_mm;
+      if (points_box.exteriorDistance(bounds[t].centroid_mm) > wanted.reach_mm + radius_mm) continue;
+      const Split split = chooser.choose(radius_mm / s);
+      if (split.rule == nullptr) continue;
+      if (wanted.closed_allowed && visited_nodes(split, radius_mm, wanted.reach_mm, leaf_mm) > kClosedCost)
+        continue;
+      plan.split[t] = split;
+    }
+  });
   return plan;
 }
 
