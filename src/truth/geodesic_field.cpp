@@ -11,8 +11,8 @@ namespace {
 constexpr std::size_t kBuckets = 64;
 // Two lengths are told apart if they differ by more than this share of the radius: thousands of roundings.
 constexpr double kSame = 1e-11;
-// A source this close to a corner, in barycentric coordinates, lies on it. On edges of some mm that moves it by
-// some 1e-9 mm and a mass by 1e-8 at most; any closer, the faces round the corner, which see the source in
+// A source this close to a corner, in barycentric coordinates, lies on it. On edges of some mm that moves it
+// by some 1e-9 mm and a mass by 1e-8 at most; any closer, the faces round the corner, which see the source in
 // coordinates of their own, would disagree by as much about the ray through the corner.
 constexpr double kOnVertex = 3e-10;
 constexpr double kSameAngle = 1e-12;
@@ -176,9 +176,12 @@ void GeodesicField::reach_vertex(int vertex, double distance_mm, double arrives_
 }
 
 void GeodesicField::reach_corner(std::size_t face, int j, const Vec2d& arriving, double offset_mm) {
+  const int vertex = mesh_.vertex(face, j);
+  const double distance_mm = offset_mm + arriving.norm();
+  if (distance_mm >= std::min(radius_mm_, vertex_distance(vertex))) return;  // as most do: spares the angle
   const Vec2d along = mesh_.corner(face, next(j)) - mesh_.corner(face, j);
   const double angle = std::atan2(-cross(along, arriving), -along.dot(arriving));
-  reach_vertex(mesh_.vertex(face, j), offset_mm + arriving.norm(), mesh_.fan_offset(face, j) + angle);
+  reach_vertex(vertex, distance_mm, mesh_.fan_offset(face, j) + angle);
 }
 
 void GeodesicField::pass_on(std::size_t face, int edge, const GeodesicWindow& rays, double from, double to) {
@@ -199,8 +202,12 @@ void GeodesicField::pass_on(std::size_t face, int edge, const GeodesicWindow& ra
   if (at_a < radius_mm_ || at_b < radius_mm_) {
     const double slack = kSame * radius_mm_;
     const double length = mesh_.edge_length(face, edge);
-    if (at_a + to * length + slack < offset_mm + (last - source).norm()) return;
-    if (at_b + (1.0 - from) * length + slack < offset_mm + (first - source).norm()) return;
+    // Whether a path of length `other` beats the window's to x.
+    const auto beats = [&](double other, const Vec2d& x) {
+      const double left = other + slack - offset_mm;
+      return left < 0.0 || left * left < (x - source).squaredNorm();
+    };
+    if (beats(at_a + to * length, last) || beats(at_b + (1.0 - from) * length, first)) return;
   }
   const GeodesicWindow unfolded{crossing.apply(source), offset_mm, crossing.turn(rays.left),
                                 crossing.turn(rays.right), false};
