@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "methods/screen_levels.h"
 #include "methods/shader_files.h"
 
 namespace truescatter {
@@ -311,8 +312,8 @@ struct State {
   Vec3d delta_weight;
   std::vector<CompiledPass> passes;
   std::vector<Target> targets;  // one a pass
-  PassProgram first;
-  PassProgram accumulate;
+  DeltaPass first;
+  LevelPass accumulate;
   Target result;
   Target mask;
   Target depth;
@@ -347,20 +348,10 @@ struct State {
       draw(into, rounds.front());
       return;
     }
-    into.draw(first, result, [&](const gpu::Program& program) {
-      program.set("irradiance", frame.irradiance, 0);
-      program.set("delta_weight", delta_weight);
-    });
+    first.draw(into, frame, delta_weight, result);
     for (const Round& round : rounds) {
       draw(into, round);
-      into.draw(
-          accumulate, result,
-          [&](const gpu::Program& program) {
-            program.set("irradiance", frame.irradiance, 0);
-            program.set("level", targets.back().texture, 1);
-            program.set("weight", round.weight);
-          },
-          true);
+      accumulate.draw(into, frame, targets.back().texture, round.weight, result);
     }
   }
 };
@@ -369,13 +360,12 @@ PreparedMethod prepare(const std::shared_ptr<const GlslMethod>& method, const Me
   std::vector<Target> targets;
   for (std::size_t i = 0; i < method->passes.size(); ++i)
     targets.push_back(frame_target(inputs, gpu::Format::rgba32f));
-  const auto state = std::make_shared<const State>(
-      State{method, inputs.frame, frame_uniforms(inputs.frame.camera.focal_px(), inputs.median_skin_depth_mm),
-            rounds_of(method->run, inputs.profile), inputs.profile.delta_weight,
-            compile(inputs.context, *method, inputs.profile, inputs.settings), std::move(targets),
-            PassProgram(inputs.context, "first.frag"), PassProgram(inputs.context, "accumulate.frag"),
-            frame_target(inputs, gpu::Format::rgba32f), frame_part(inputs, inputs.frame.irradiance, {}),
-            frame_part(inputs, inputs.frame.position, {"DEPTH"})});
+  const auto state = std::make_shared<const State>(State{
+      method, inputs.frame, frame_uniforms(inputs.frame.camera.focal_px(), inputs.median_skin_depth_mm),
+      rounds_of(method->run, inputs.profile), inputs.profile.delta_weight,
+      compile(inputs.context, *method, inputs.profile, inputs.settings), std::move(targets),
+      DeltaPass(inputs.context), LevelPass(inputs.context), frame_target(inputs, gpu::Format::rgba32f),
+      frame_part(inputs, inputs.frame.irradiance, {}), frame_part(inputs, inputs.frame.position, {"DEPTH"})});
   const gpu::Texture* output =
       method->run == GlslRun::once ? &state->targets.back().texture : &state->result.texture;
   return {[state](Passes& passes) { state->render(passes); }, output};

@@ -64,6 +64,20 @@ std::vector<DenseTerm> dense_terms(const Profile& profile, double r_max_mm) {
   return terms;
 }
 
+WeightedLight::WeightedLight(const MethodInputs& inputs, const std::vector<std::string>& defines)
+    : program_(
+          PassProgram::of_pieces(inputs.context, {}, {"filter_geometry.glsl", "weighted.frag"}, defines)),
+      target_(inputs.context, inputs.frame.camera.width_px, inputs.frame.camera.height_px,
+              gpu::Format::rgba32f) {}
+
+void WeightedLight::draw(Passes& passes, const Frame& frame) const {
+  passes.draw(program_, target_, [&](const gpu::Program& program) {
+    program.set("irradiance", frame.irradiance, 0);
+    program.set("position", frame.position, 1);
+    program.set("face_normal", frame.face_normal, 2);
+  });
+}
+
 LinearSum::LinearSum(const gpu::Context& context, const std::string& fragment,
                      const std::vector<std::string>& defines)
     : program_(PassProgram::of_pieces(

@@ -35,6 +35,19 @@ struct LightLayer {
   const gpu::Texture& light;
 };
 
+// The frame's irradiance times w(p), with w(p) in alpha (weighted.frag): drawn once, read by every term.
+class WeightedLight {
+ public:
+  explicit WeightedLight(const MethodInputs& inputs, const std::vector<std::string>& defines = {});
+
+  void draw(Passes& passes, const Frame& frame) const;
+  const gpu::Texture& light() const { return target_.texture; }
+
+ private:
+  PassProgram program_;
+  Target target_;
+};
+
 // A pass that adds linear_sum.glsl's sum around every pixel to a target, through a shader of the method's
 // own.
 class LinearSum {

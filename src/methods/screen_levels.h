@@ -4,38 +4,65 @@
 
 namespace truescatter {
 
-// What the screen-space methods share: a result that starts as w_0 I and to which blurred levels are added.
-struct ScreenResult {
-  PassProgram first;
-  PassProgram accumulate;
-  Target horizontal;  // after the first of two one-dimensional passes
-  Target blurred;     // after the second
-  Target result;
+// The first layer of a result: w_0 I on skin, the plain irradiance elsewhere (first.frag).
+class DeltaPass {
+ public:
+  explicit DeltaPass(const gpu::Context& context) : program_(context, "first.frag") {}
 
-  // `format`: of what is drawn into.
-  explicit ScreenResult(const MethodInputs& inputs, gpu::Format format = gpu::Format::rgba32f)
-      : first(inputs.context, "first.frag"),
-        accumulate(inputs.context, "accumulate.frag"),
-        horizontal(target(inputs, format)),
-        blurred(target(inputs, format)),
-        result(target(inputs, format)) {}
-
-  void start(Passes& passes, const Frame& frame, const Vec3d& delta_weight) const {
-    passes.draw(first, result, [&](const gpu::Program& program) {
+  void draw(Passes& passes, const Frame& frame, const Vec3d& delta_weight, const Target& to) const {
+    passes.draw(program_, to, [&](const gpu::Program& program) {
       program.set("irradiance", frame.irradiance, 0);
       program.set("delta_weight", delta_weight);
     });
   }
 
-  void add(Passes& passes, const Frame& frame, const gpu::Texture& level, const Vec3d& weight) const {
+ private:
+  PassProgram program_;
+};
+
+// Adds a blurred level, times its weight, to a result (accumulate.frag).
+class LevelPass {
+ public:
+  explicit LevelPass(const gpu::Context& context) : program_(context, "accumulate.frag") {}
+
+  void draw(Passes& passes, const Frame& frame, const gpu::Texture& level, const Vec3d& weight,
+            const Target& to) const {
     passes.draw(
-        accumulate, result,
+        program_, to,
         [&](const gpu::Program& program) {
           program.set("irradiance", frame.irradiance, 0);
           program.set("level", level, 1);
           program.set("weight", weight);
         },
         true);
+  }
+
+ private:
+  PassProgram program_;
+};
+
+// What the screen-space methods share: a result that starts as w_0 I and to which blurred levels are added.
+struct ScreenResult {
+  DeltaPass first;
+  LevelPass accumulate;
+  Target horizontal;  // after the first of two one-dimensional passes
+  Target blurred;     // after the second
+  Target result;
+
+  // `format`: of what is drawn into.
+  explicit ScreenResult(const MethodInputs& inputs, gpu::Format format = gpu::Format::rgba32f)
+      : first(inputs.context),
+        accumulate(inputs.context),
+        horizontal(target(inputs, format)),
+        blurred(target(inputs, format)),
+        result(target(inputs, format)) {}
+
+  void start(Passes& passes, const Frame& frame, const Vec3d& delta_weight) const {
+    first.draw(passes, frame, delta_weight, result);
+  }
+
+  void add(Passes& passes, const Frame& frame, const gpu::Texture& level, const Vec3d& weight) const {
+    accumulate.draw(passes, frame, level, weight, result);
   }
 
  private:

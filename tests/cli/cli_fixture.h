@@ -15,6 +15,21 @@
 
 namespace truescatter::test {
 
+// A sphere of 8 mm that does not fill its view: an experiment up to that view's size in pixels.
+inline const std::string kBallScene = R"(
+[scene]
+mesh = "builtin:sphere"
+[scene.parameters]
+radius_mm = 8.0
+edge_mm = 2.0
+[[light]]
+direction = [0.8, 0.4, 0.5]
+[[view]]
+name = "front"
+eye_mm = [0.0, 0.0, 100.0]
+fov_deg = 11.0
+)";
+
 // A small experiment: 48 x 48 pixels of a square of 20 mm that fills the frame.
 inline const std::string kTiny = R"(name = "tiny"
 

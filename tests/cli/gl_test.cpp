@@ -1,25 +1,11 @@
-#include <algorithm>
-#include <cmath>
-
 #include "cli/cli_fixture.h"
 #include "core/image_io.h"
+#include "support/image_difference.h"
 
 namespace truescatter::test {
 namespace {
 
-const std::string kSmall = R"(
-[scene]
-mesh = "builtin:sphere"
-[scene.parameters]
-radius_mm = 8.0
-edge_mm = 2.0
-[[light]]
-direction = [0.8, 0.4, 0.5]
-[[view]]
-name = "front"
-eye_mm = [0.0, 0.0, 100.0]
-fov_deg = 11.0
-width_px = 48
+const std::string kSmall = kBallScene + R"(width_px = 48
 height_px = 48
 [[profile]]
 name = "spike-and-base"
@@ -65,11 +51,7 @@ TEST_F(CliGl, EglGivesWhatOsMesaGives) {
   for (const char* method : {"pscbf", "texture-space"}) {
     const Image a = exitance("egl", method);
     const Image b = exitance("osmesa", method);
-    double largest = 0.0;
-    for (std::size_t i = 0; i < a.data().size(); ++i)
-      largest =
-          std::max(largest, std::abs(static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i])));
-    EXPECT_LE(largest, 2e-5) << method;
+    EXPECT_LE(largest_difference(a, b), 2e-5) << method;
   }
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_EQ(by_egl["runs"][i]["cost"]["bytes_per_pixel"], by_osmesa["runs"][i]["cost"]["bytes_per_pixel"]);

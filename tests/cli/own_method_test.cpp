@@ -3,6 +3,7 @@
 
 #include "cli/cli_fixture.h"
 #include "core/image_io.h"
+#include "support/image_difference.h"
 
 namespace truescatter::test {
 namespace {
@@ -16,28 +17,8 @@ const Json& run_of(const Json& results, const std::string& label) {
   return *found;
 }
 
-double largest_difference(const Image& a, const Image& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.data().size(); ++i)
-    largest =
-        std::max(largest, std::abs(static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i])));
-  return largest;
-}
-
 // A sphere of 8 mm that does not fill its 40 x 40 pixels.
-const std::string kBall = R"(
-[scene]
-mesh = "builtin:sphere"
-[scene.parameters]
-radius_mm = 8.0
-edge_mm = 2.0
-[[light]]
-direction = [0.8, 0.4, 0.5]
-[[view]]
-name = "front"
-eye_mm = [0.0, 0.0, 100.0]
-fov_deg = 11.0
-width_px = 40
+const std::string kBall = kBallScene + R"(width_px = 40
 height_px = 40
 [[profile]]
 name = "spike-and-base"

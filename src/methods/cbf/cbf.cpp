@@ -2,6 +2,7 @@
 
 #include "methods/method.h"
 #include "methods/screen_filter.h"
+#include "methods/screen_levels.h"
 
 namespace truescatter {
 namespace {
@@ -18,7 +19,7 @@ std::vector<std::string> defines(const Settings& settings) {
 // The manual stands at the head of cbf.frag.
 PreparedMethod prepare(const MethodInputs& inputs) {
   struct State {
-    PassProgram first;
+    DeltaPass first;
     LinearSum gather;
     Target result;
     std::vector<DenseTerm> terms;
@@ -28,16 +29,12 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   check_reach(inputs, kName, terms);
   const Frame& frame = inputs.frame;
   const auto state = std::make_shared<State>(State{
-      PassProgram(inputs.context, "first.frag"),
-      LinearSum(inputs.context, "cbf/cbf.frag", defines(inputs.settings)),
+      DeltaPass(inputs.context), LinearSum(inputs.context, "cbf/cbf.frag", defines(inputs.settings)),
       Target(inputs.context, frame.camera.width_px, frame.camera.height_px, gpu::Format::rgba32f), terms});
   const Vec3d delta_weight = inputs.profile.delta_weight;
 
   const auto render = [=, &frame](Passes& passes) {
-    passes.draw(state->first, state->result, [&](const gpu::Program& program) {
-      program.set("irradiance", frame.irradiance, 0);
-      program.set("delta_weight", delta_weight);
-    });
+    state->first.draw(passes, frame, delta_weight, state->result);
     for (const DenseTerm& term : state->terms)
       state->gather.add(passes, frame, {frame.position, frame.irradiance}, term, term.weight, r_max,
                         state->result);

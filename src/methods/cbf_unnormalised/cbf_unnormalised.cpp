@@ -2,6 +2,7 @@
 
 #include "methods/method.h"
 #include "methods/screen_filter.h"
+#include "methods/screen_levels.h"
 
 namespace truescatter {
 namespace {
@@ -30,12 +31,11 @@ PassProgram peeling_program(const gpu::Context& context, const std::vector<std::
 // The manual stands at the head of cbf_unnormalised.frag.
 PreparedMethod prepare(const MethodInputs& inputs) {
   struct State {
-    PassProgram first;
-    PassProgram weigh;
+    DeltaPass first;
+    WeightedLight weighted;
     PassProgram peel_position;
     PassProgram peel_weighted;
     LinearSum gather;
-    Target weighted;
     Target result;
     std::vector<Layer> behind;
     std::vector<DenseTerm> terms;
@@ -46,17 +46,13 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const gpu::Context& context = inputs.context;
   const Frame& frame = inputs.frame;
   const SurfaceBuffers& surface = inputs.surface;
-  const auto target = [&] {
-    return Target(context, frame.camera.width_px, frame.camera.height_px, gpu::Format::rgba32f);
-  };
   const auto state = std::make_shared<State>(
-      State{PassProgram(context, "first.frag"),
-            PassProgram::of_pieces(context, {}, {"filter_geometry.glsl", "weighted.frag"}),
+      State{DeltaPass(context),
+            WeightedLight(inputs),
             peeling_program(context, {"PEEL_POSITION"}),
             peeling_program(context, {}),
             LinearSum(context, "cbf_unnormalised/cbf_unnormalised.frag", {}),
-            target(),
-            target(),
+            Target(context, frame.camera.width_px, frame.camera.height_px, gpu::Format::rgba32f),
             {},
             terms});
   for (int l = 1; l < inputs.settings.whole("layers"); ++l) state->behind.push_back(make_layer(inputs));
@@ -79,23 +75,16 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   };
 
   const auto render = [=, &frame](Passes& passes) {
-    passes.draw(state->first, state->result, [&](const gpu::Program& program) {
-      program.set("irradiance", frame.irradiance, 0);
-      program.set("delta_weight", delta_weight);
-    });
-    passes.draw(state->weigh, state->weighted, [&](const gpu::Program& program) {
-      program.set("irradiance", frame.irradiance, 0);
-      program.set("position", frame.position, 1);
-      program.set("face_normal", frame.face_normal, 2);
-    });
+    state->first.draw(passes, frame, delta_weight, state->result);
+    state->weighted.draw(passes, frame);
     const auto add_light_of = [&](const LightLayer& layer) {
       for (const DenseTerm& term : state->terms) {
         state->gather.add(
             passes, frame, layer, term, term.raw_scale(), r_max, state->result,
-            [&](const gpu::Program& program) { program.set("center_light", state->weighted.texture, 5); });
+            [&](const gpu::Program& program) { program.set("center_light", state->weighted.light(), 5); });
       }
     };
-    add_light_of({frame.position, state->weighted.texture});
+    add_light_of({frame.position, state->weighted.light()});
     const gpu::Texture* previous = &frame.position;
     for (const Layer& layer : state->behind) {
       peel(passes, layer, *previous);

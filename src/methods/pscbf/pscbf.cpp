@@ -11,8 +11,6 @@
 namespace truescatter {
 namespace {
 
-constexpr int kMaxTaps = 64;  // per channel
-
 double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
 
 double normal_density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi); }
@@ -33,12 +31,10 @@ double normal_quantile(double probability) {
   return 0.5 * (low + high);
 }
 
-struct TapUniforms {
-  std::vector<float> offsets;
-  std::vector<Vec3f> weights;
-  Vec3d depth_factor;
-  double narrowest_mm = 0.0;
-  double widest_mm = 0.0;
+struct TermTaps {
+  TapUniforms taps;
+  double narrowest_mm;
+  double widest_mm;
 };
 
 std::vector<GaussianTap> taps_of(const GaussianTerm& term, const Settings& settings) {
@@ -47,18 +43,6 @@ std::vector<GaussianTap> taps_of(const GaussianTerm& term, const Settings& setti
   if (settings.word("sharing") == "none")
     return equal_probability_taps_per_channel(count, term.std_dev_mm(), placement);
   return equal_probability_taps(count, term.std_dev_mm(), placement);
-}
-
-TapUniforms tap_uniforms(const GaussianTerm& term, const Settings& settings, double r_max_mm) {
-  TapUniforms uniforms;
-  uniforms.narrowest_mm = term.std_dev_mm().minCoeff();
-  uniforms.widest_mm = term.std_dev_mm().maxCoeff();
-  for (const GaussianTap& tap : taps_of(term, settings)) {
-    uniforms.offsets.push_back(static_cast<float>(tap.offset_mm / r_max_mm));
-    uniforms.weights.push_back(tap.weight.cast<float>());
-  }
-  uniforms.depth_factor = -0.5 * term.variance_mm2.cwiseInverse();
-  return uniforms;
 }
 
 std::vector<std::string> defines(const Settings& settings) {
@@ -72,7 +56,7 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   struct State {
     ScreenResult screen;
     PassProgram filter;
-    std::vector<TapUniforms> taps;
+    std::vector<TermTaps> terms;
   };
   const auto state = std::make_shared<State>(
       State{ScreenResult(inputs, inputs.settings.word("targets") == "16-bit" ? gpu::Format::rgba16f
@@ -83,14 +67,15 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const Profile& profile = inputs.profile;
   const double r_max = r_max_mm(profile, inputs.settings);
   for (const GaussianTerm& term : profile.terms)
-    state->taps.push_back(tap_uniforms(term, inputs.settings, r_max));
+    state->terms.push_back({TapUniforms(taps_of(term, inputs.settings), term.variance_mm2, r_max),
+                            term.std_dev_mm().minCoeff(), term.std_dev_mm().maxCoeff()});
   const Frame& frame = inputs.frame;
 
   const auto render = [state, r_max, &frame, &profile](Passes& passes) {
     const ScreenResult& screen = state->screen;
     screen.start(passes, frame, profile.delta_weight);
     for (std::size_t i = 0; i < profile.terms.size(); ++i) {
-      const TapUniforms& taps = state->taps[i];
+      const TermTaps& term = state->terms[i];
       const auto filter = [&](const gpu::Texture& from, const Target& to, int axis) {
         passes.draw(state->filter, to, [&](const gpu::Program& program) {
           program.set("source", from, 0);
@@ -99,12 +84,10 @@ PreparedMethod prepare(const MethodInputs& inputs) {
           program.set("axis", axis);
           program.set("r_max_mm", r_max);
           program.set("focal_px", frame.camera.focal_px());
-          program.set("tap_count", static_cast<int>(taps.offsets.size()));
-          program.set("tap_offset", taps.offsets);
-          program.set("tap_weight", taps.weights);
-          program.set("depth_factor", taps.depth_factor);
-          program.set("narrowest_mm", taps.narrowest_mm);
-          program.set("widest_mm", taps.widest_mm);
+          program.set("tap_count", static_cast<int>(term.taps.offsets.size()));
+          term.taps.set(program);
+          program.set("narrowest_mm", term.narrowest_mm);
+          program.set("widest_mm", term.widest_mm);
         });
       };
       filter(frame.irradiance, screen.horizontal, 0);
@@ -146,6 +129,20 @@ std::vector<GaussianTap> equal_probability_taps_per_channel(int count, const Vec
     }
   }
   return taps;
+}
+
+TapUniforms::TapUniforms(const std::vector<GaussianTap>& taps, const Vec3d& variance_mm2, double r_max_mm)
+    : depth_factor(-0.5 * variance_mm2.cwiseInverse()) {
+  for (const GaussianTap& tap : taps) {
+    offsets.push_back(static_cast<float>(tap.offset_mm / r_max_mm));
+    weights.push_back(tap.weight.cast<float>());
+  }
+}
+
+void TapUniforms::set(const gpu::Program& program) const {
+  program.set("tap_offset", offsets);
+  program.set("tap_weight", weights);
+  program.set("depth_factor", depth_factor);
 }
 
 SettingSpec taps_setting() { return {"taps", "taps per axis", 13.0, 1.0, kMaxTaps, true}; }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/vec.h"
+#include "gpu/program.h"
 #include "methods/settings.h"
 
 namespace truescatter {
@@ -27,7 +28,19 @@ std::vector<GaussianTap> equal_probability_taps(int count, const Vec3d& std_dev_
 std::vector<GaussianTap> equal_probability_taps_per_channel(int count, const Vec3d& std_dev_mm,
                                                             TapPlacement placement);
 
+// Taps as the shaders' uniforms tap_offset (shares of r_max), tap_weight and depth_factor (-1 / 2 variance).
+struct TapUniforms {
+  std::vector<float> offsets;
+  std::vector<Vec3f> weights;
+  Vec3d depth_factor;
+
+  TapUniforms(const std::vector<GaussianTap>& taps, const Vec3d& variance_mm2, double r_max_mm);
+  // The program must be in use.
+  void set(const gpu::Program& program) const;
+};
+
 // What the methods with such taps share: the settings "taps" (N, 13) and "placement".
+inline constexpr int kMaxTaps = 64;  // of one channel or of all
 SettingSpec taps_setting();
 SettingSpec placement_setting();
 TapPlacement tap_placement(const Settings& settings);

@@ -12,7 +12,6 @@ namespace truescatter {
 namespace {
 
 constexpr int kMostLevels = 8;  // samplers level0 .. level7 of pscbf_mip.frag
-constexpr int kMostTaps = 64;
 
 // Mip maps along one axis, finest first.
 using Chain = std::vector<Target>;
@@ -36,24 +35,20 @@ int levels_for(const MethodInputs& inputs, double r_max_mm) {
   return std::clamp(1 + static_cast<int>(std::ceil(std::log2(std::max(reach_px, 1.0)))), 1, kMostLevels);
 }
 
-struct TapUniforms {
-  std::vector<float> offsets;
-  std::vector<float> widths;
-  std::vector<Vec3f> weights;
-  Vec3d depth_factor;
+struct TermTaps {
+  TapUniforms taps;
+  std::vector<float> widths;  // of the bins within r_max, as shares of it
 };
 
-TapUniforms tap_uniforms(const GaussianTerm& term, const Settings& settings, double r_max_mm) {
-  TapUniforms uniforms;
-  for (const GaussianTap& tap :
-       equal_probability_taps(settings.whole("taps"), term.std_dev_mm(), tap_placement(settings))) {
+TermTaps taps_of(const GaussianTerm& term, const Settings& settings, double r_max_mm) {
+  const std::vector<GaussianTap> taps =
+      equal_probability_taps(settings.whole("taps"), term.std_dev_mm(), tap_placement(settings));
+  TermTaps result{TapUniforms(taps, term.variance_mm2, r_max_mm), {}};
+  for (const GaussianTap& tap : taps) {
     const double width_mm = std::min(tap.high_mm, r_max_mm) - std::max(tap.low_mm, -r_max_mm);
-    uniforms.offsets.push_back(static_cast<float>(tap.offset_mm / r_max_mm));
-    uniforms.widths.push_back(static_cast<float>(std::max(width_mm, 0.0) / r_max_mm));
-    uniforms.weights.push_back(tap.weight.cast<float>());
+    result.widths.push_back(static_cast<float>(std::max(width_mm, 0.0) / r_max_mm));
   }
-  uniforms.depth_factor = -0.5 * term.variance_mm2.cwiseInverse();
-  return uniforms;
+  return result;
 }
 
 // The manual stands at the head of pscbf_mip.frag.
@@ -63,7 +58,7 @@ struct State {
   PassProgram halve;
   PassProgram filter;
   std::array<Chain, 2> chains;  // horizontal, vertical
-  std::vector<TapUniforms> taps;
+  std::vector<TermTaps> terms;
   double r_max_mm;
   double gap_mm;
 
@@ -82,7 +77,7 @@ struct State {
     }
   }
 
-  void blur(Passes& passes, const Frame& frame, const TapUniforms& tap, const gpu::Texture& source,
+  void blur(Passes& passes, const Frame& frame, const TermTaps& term, const gpu::Texture& source,
             const Target& to, int axis) const {
     const Chain& chain = chains[static_cast<std::size_t>(axis)];
     passes.draw(filter, to, [&](const gpu::Program& program) {
@@ -97,11 +92,9 @@ struct State {
       program.set("axis", axis);
       program.set("r_max_mm", r_max_mm);
       program.set("focal_px", frame.camera.focal_px());
-      program.set("tap_count", static_cast<int>(tap.offsets.size()));
-      program.set("tap_offset", tap.offsets);
-      program.set("tap_width", tap.widths);
-      program.set("tap_weight", tap.weights);
-      program.set("depth_factor", tap.depth_factor);
+      program.set("tap_count", static_cast<int>(term.widths.size()));
+      program.set("tap_width", term.widths);
+      term.taps.set(program);
     });
   }
 };
@@ -115,13 +108,13 @@ PreparedMethod prepare(const MethodInputs& inputs) {
             PassProgram(inputs.context, "pscbf_mip/pack.frag"),
             PassProgram(inputs.context, "pscbf_mip/halve.frag"),
             PassProgram::of_pieces(inputs.context, {}, {"filter_geometry.glsl", "pscbf_mip/pscbf_mip.frag"},
-                                   {fmt::format("MAX_TAPS {}", kMostTaps)}),
+                                   {fmt::format("MAX_TAPS {}", kMaxTaps)}),
             {make_chain(inputs, levels, 0), make_chain(inputs, levels, 1)},
             {},
             r_max,
             profile.widest_std_dev_mm()});
   for (const GaussianTerm& term : profile.terms)
-    state->taps.push_back(tap_uniforms(term, inputs.settings, r_max));
+    state->terms.push_back(taps_of(term, inputs.settings, r_max));
   const Frame& frame = inputs.frame;
 
   const auto render = [state, &frame, &profile](Passes& passes) {
@@ -129,9 +122,9 @@ PreparedMethod prepare(const MethodInputs& inputs) {
     screen.start(passes, frame, profile.delta_weight);
     state->build(passes, frame, frame.irradiance, 0);
     for (std::size_t i = 0; i < profile.terms.size(); ++i) {
-      state->blur(passes, frame, state->taps[i], frame.irradiance, screen.horizontal, 0);
+      state->blur(passes, frame, state->terms[i], frame.irradiance, screen.horizontal, 0);
       state->build(passes, frame, screen.horizontal.texture, 1);
-      state->blur(passes, frame, state->taps[i], screen.horizontal.texture, screen.blurred, 1);
+      state->blur(passes, frame, state->terms[i], screen.horizontal.texture, screen.blurred, 1);
       screen.add(passes, frame, screen.blurred.texture, profile.terms[i].weight);
     }
   };

@@ -10,22 +10,6 @@ namespace {
 
 constexpr int kTapsPerAxis = 4;  // 16 in all
 
-struct TermTaps {
-  std::vector<float> offsets;
-  std::vector<Vec3f> weights;
-  Vec3d depth_factor;
-};
-
-TermTaps taps_of(const GaussianTerm& term, TapPlacement placement, double r_max_mm) {
-  TermTaps taps;
-  for (const GaussianTap& tap : equal_probability_taps(kTapsPerAxis, term.std_dev_mm(), placement)) {
-    taps.offsets.push_back(static_cast<float>(tap.offset_mm / r_max_mm));
-    taps.weights.push_back(tap.weight.cast<float>());
-  }
-  taps.depth_factor = -0.5 * term.variance_mm2.cwiseInverse();
-  return taps;
-}
-
 // The manual stands at the head of pscbf_transmit.frag.
 struct State {
   PreparedMethod local;
@@ -35,7 +19,7 @@ struct State {
   Target back_surface;
   Target back_light;
   Target result;
-  std::vector<TermTaps> taps;
+  std::vector<TapUniforms> taps;
 };
 
 void draw_back(Passes& passes, const State& state, const Frame& frame, const SurfaceBuffers& surface) {
@@ -77,13 +61,14 @@ PreparedMethod prepare(const MethodInputs& inputs) {
       Target(context, width, height, gpu::Format::rgba32f),
       {}});
   for (const GaussianTerm& term : profile.terms)
-    state->taps.push_back(taps_of(term, tap_placement(inputs.settings), r_max));
+    state->taps.emplace_back(
+        equal_probability_taps(kTapsPerAxis, term.std_dev_mm(), tap_placement(inputs.settings)),
+        term.variance_mm2, r_max);
 
   const auto render = [state, r_max, &frame, &profile, &surface](Passes& passes) {
     state->local.render(passes);
     draw_back(passes, *state, frame, surface);
     for (std::size_t i = 0; i < profile.terms.size(); ++i) {
-      const TermTaps& taps = state->taps[i];
       passes.draw(
           state->gather, state->result,
           [&](const gpu::Program& program) {
@@ -96,9 +81,7 @@ PreparedMethod prepare(const MethodInputs& inputs) {
             program.set("local_weight", i == 0 ? 1.0 : 0.0);
             program.set("r_max_mm", r_max);
             program.set("focal_px", frame.camera.focal_px());
-            program.set("tap_offset", taps.offsets);
-            program.set("tap_weight", taps.weights);
-            program.set("depth_factor", taps.depth_factor);
+            state->taps[i].set(program);
             program.set("weight", profile.terms[i].weight);
           },
           i > 0);

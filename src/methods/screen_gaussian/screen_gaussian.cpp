@@ -27,10 +27,7 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const auto render = [=, &frame](Passes& passes) {
     const ScreenResult& screen = state->screen;
     screen.start(passes, frame, delta_weight);
-    passes.draw(screen.first, state->linear_irradiance, [&](const gpu::Program& program) {
-      program.set("irradiance", frame.irradiance, 0);
-      program.set("delta_weight", Vec3d(1.0, 1.0, 1.0));
-    });
+    screen.first.draw(passes, frame, Vec3d::Ones(), state->linear_irradiance);
     const gpu::Texture* previous = &state->linear_irradiance.texture;
     double previous_variance_mm2 = 0.0;
     for (const GaussianLevel& level : levels) {

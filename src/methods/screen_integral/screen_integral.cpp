@@ -2,6 +2,7 @@
 
 #include "methods/method.h"
 #include "methods/screen_filter.h"
+#include "methods/screen_levels.h"
 
 namespace truescatter {
 namespace {
@@ -20,10 +21,9 @@ std::vector<std::string> defines(const Settings& settings) {
 // The manual stands at the head of screen_integral.frag.
 PreparedMethod prepare(const MethodInputs& inputs) {
   struct State {
-    PassProgram first;
-    PassProgram weigh;
+    DeltaPass first;
+    WeightedLight weighted;
     PassProgram gather;
-    Target weighted;
     Target result;
     std::vector<DenseTerm> terms;
   };
@@ -33,36 +33,25 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const gpu::Context& context = inputs.context;
   const Frame& frame = inputs.frame;
   const std::vector<std::string> names = defines(inputs.settings);
-  const auto target = [&] {
-    return Target(context, frame.camera.width_px, frame.camera.height_px, gpu::Format::rgba32f);
-  };
   const auto state = std::make_shared<State>(
-      State{PassProgram(context, "first.frag"),
-            PassProgram::of_pieces(context, {}, {"filter_geometry.glsl", "weighted.frag"}, names),
+      State{DeltaPass(context), WeightedLight(inputs, names),
             PassProgram::of_pieces(
                 context, {},
                 {"filter_geometry.glsl", "pixel_mean.glsl", "screen_integral/screen_integral.frag"}, names),
-            target(), target(), terms});
+            Target(context, frame.camera.width_px, frame.camera.height_px, gpu::Format::rgba32f), terms});
   const Vec3d delta_weight = inputs.profile.delta_weight;
   const bool raw = is_raw(inputs.settings);
 
   const auto render = [=, &frame](Passes& passes) {
-    passes.draw(state->first, state->result, [&](const gpu::Program& program) {
-      program.set("irradiance", frame.irradiance, 0);
-      program.set("delta_weight", delta_weight);
-    });
-    passes.draw(state->weigh, state->weighted, [&](const gpu::Program& program) {
-      program.set("irradiance", frame.irradiance, 0);
-      program.set("position", frame.position, 1);
-      program.set("face_normal", frame.face_normal, 2);
-    });
+    state->first.draw(passes, frame, delta_weight, state->result);
+    state->weighted.draw(passes, frame);
     for (const DenseTerm& term : state->terms) {
       passes.draw(
           state->gather, state->result,
           [&](const gpu::Program& program) {
             program.set("position", frame.position, 0);
             program.set("face_normal", frame.face_normal, 1);
-            program.set("weighted", state->weighted.texture, 2);
+            program.set("weighted", state->weighted.light(), 2);
             program.set("focal_px", frame.camera.focal_px());
             program.set("scale", raw ? term.raw_scale() : term.weight);
             term.set(program, r_max);

@@ -62,7 +62,7 @@ class TextureSpace {
         mean_texels_per_mm_(has_stretch_map_ ? 0.0 : size_ / inputs.surface.mean_mm_per_uv_unit()),
         levels_(gaussian_levels(inputs.profile)),
         delta_weight_(inputs.profile.delta_weight),
-        first_(inputs.context, "first.frag"),
+        first_(inputs.context),
         uv_irradiance_(inputs.context, "texture_space/uv_irradiance.vert", "texture_space/uv_irradiance.frag",
                        {}),
         uv_stretch_(inputs.context, "texture_space/uv_irradiance.vert", "texture_space/uv_stretch.frag", {}),
@@ -80,10 +80,7 @@ class TextureSpace {
 
   void render(Passes& passes) {
     draw_maps(passes);
-    passes.draw(first_, result_, [&](const gpu::Program& program) {
-      program.set("irradiance", frame_.irradiance, 0);
-      program.set("delta_weight", delta_weight_);
-    });
+    first_.draw(passes, frame_, delta_weight_, result_);
     double previous_variance_mm2 = 0.0;
     for (const GaussianLevel& level : levels_) {
       const bool is_first = &level == &levels_.front();
@@ -176,7 +173,7 @@ class TextureSpace {
   double mean_texels_per_mm_;
   std::vector<GaussianLevel> levels_;
   Vec3d delta_weight_;
-  PassProgram first_;
+  DeltaPass first_;
   PassProgram uv_irradiance_;
   PassProgram uv_stretch_;
   PassProgram fill_;
