@@ -173,6 +173,27 @@ TEST(ImageSources, AlbedoIsTheIntegral) {
   }
 }
 
+// To 1e-8, far above what the quadrature leaves.
+TEST(ImageSources, AlbedoIsTheIntegralForEveryMaterial) {
+  boost::math::quadrature::exp_sinh<double> rule;
+  for (const Material& m : materials()) {
+    for (const double eta : {1.3, 1.5}) {
+      for (int c = 0; c < 3; ++c) {
+        Medium medium = m.channel(c);
+        medium.eta = eta;
+        const double slab_mm = 3.0 * medium.mean_free_path_mm();
+        for (const ImageSources& profile :
+             {classical_dipole(medium), better_dipole(medium), multipole(medium, slab_mm, SlabSide::lit),
+              multipole(medium, slab_mm, SlabSide::far)}) {
+          const double integral =
+              2.0 * kPi * rule.integrate([&](double r) { return r * profile.value(r); }, 1e-12);
+          EXPECT_NEAR(integral, profile.albedo(), 1e-8) << m.name << " " << eta << " " << c;
+        }
+      }
+    }
+  }
+}
+
 TEST(ImageSources, RefuseWhatHasNoAnswer) {
   const auto refusal = [](const Medium& medium) {
     const auto error = error_of([&] { better_dipole(medium); });
