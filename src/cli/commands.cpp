@@ -16,6 +16,8 @@
 #include "irradiance/environment.h"
 #include "methods/method.h"
 #include "metrics/flip.h"
+#include "profile/layered.h"
+#include "profile/medium.h"
 #include "profile/profile.h"
 #include "report/changes.h"
 #include "report/report.h"
@@ -130,6 +132,16 @@ int list() {
   }
   fmt::print("profiles\n");
   for (const Profile& profile : builtin_profiles()) fmt::print("  {:<22} {}\n", profile.name, profile.source);
+  fmt::print("published sums of Gaussians, to score with fit --score\n");
+  for (const Profile& sum : published_sums()) fmt::print("  {:<28} {}\n", sum.name, sum.source);
+  fmt::print("materials (1/mm)\n");
+  for (const Material& m : materials()) {
+    fmt::print("  {:<22} sigma_s' {}, {}, {}; sigma_a {}, {}, {}; eta {}\n", m.name,
+               m.sigma_s_prime_per_mm[0], m.sigma_s_prime_per_mm[1], m.sigma_s_prime_per_mm[2],
+               m.sigma_a_per_mm[0], m.sigma_a_per_mm[1], m.sigma_a_per_mm[2], m.eta);
+  }
+  for (const LayeredMaterial& m : layered_materials())
+    fmt::print("  {:<22} {} layers, for the multipole\n", m.name, m.channels[0].size());
   fmt::print("built-in environments\n");
   for (const BuiltinEnvironment& environment : builtin_environments())
     fmt::print("  builtin:{:<10} {}\n", environment.name, environment.summary);

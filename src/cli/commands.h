@@ -41,6 +41,35 @@ struct TruthArguments {
 };
 int truth(const TruthArguments& arguments);
 
+// Gaussians in place of a diffusion profile, or the errors of Gaussians that there are. Numbers are texts
+// here, as the user gave them; empty ones were not given.
+struct FitArguments {
+  std::string profile;
+  std::string material;
+  std::string sigma_a;
+  std::string sigma_s_prime;
+  std::string eta;
+  std::string thickness;
+  std::string layers;
+  std::string scaling;
+  std::string table;
+  std::string gaussians;
+  std::string tolerance;
+  std::string norm;
+  std::string weights;
+  std::string energy;
+  std::string variances;
+  std::string min_variance;
+  std::string max_variance;
+  std::string seed;
+  std::string score;  // a built-in profile or a file of Gaussians: nothing is fitted
+  std::filesystem::path out;
+  std::filesystem::path glsl;
+  std::filesystem::path cpp;
+  std::filesystem::path svg;
+};
+int fit(const FitArguments& arguments);
+
 // Two pictures, or two result folders (old, new).
 struct CompareArguments {
   std::filesystem::path test;

@@ -12,6 +12,7 @@
 namespace {
 
 using truescatter::cli::CompareArguments;
+using truescatter::cli::FitArguments;
 using truescatter::cli::RunArguments;
 using truescatter::cli::TruthArguments;
 
@@ -84,6 +85,40 @@ int dispatch(int argc, char** argv) {
           "CSV to write: point,sigma,r,g,b,mass, or with --fit point,r,g,b,normalised_r,...,mass_r,...")
       ->required();
 
+  FitArguments fit_arguments;
+  CLI::App* fit =
+      app.add_subcommand("fit", "Fit Gaussians to a diffusion profile, or score Gaussians against one");
+  fit->add_option("--profile", fit_arguments.profile, "dipole, better-dipole, multipole, burley or table")
+      ->required();
+  fit->add_option("--material", fit_arguments.material, "A material by its name (see list)");
+  fit->add_option("--sigma-a", fit_arguments.sigma_a, "Absorption in 1/mm: R,G,B, or one number for all");
+  fit->add_option("--sigma-s-prime", fit_arguments.sigma_s_prime, "Reduced scattering in 1/mm: R,G,B");
+  fit->add_option("--eta", fit_arguments.eta, "Relative index of refraction, above 1");
+  fit->add_option("--thickness", fit_arguments.thickness, "Multipole: the slab's thickness in mm");
+  fit->add_option(
+      "--layers", fit_arguments.layers,
+      "Multipole: CSV thickness_mm,sigma_a_r,..,sigma_s_prime_r,..,eta, a layer a row from the top");
+  fit->add_option("--scaling", fit_arguments.scaling,
+                  "Burley: searchlight (default), diffuse or diffuse-free-path");
+  fit->add_option("--table", fit_arguments.table, "CSV r_mm,r,g,b: R in 1/mm^2 (or r_cm, r_m)");
+  fit->add_option("--gaussians", fit_arguments.gaussians, "How many (1 to 16), or auto");
+  fit->add_option("--tolerance", fit_arguments.tolerance,
+                  "auto: relative error that the worst channel keeps to");
+  fit->add_option("--norm", fit_arguments.norm, "r (default), area (default for burley) or r2");
+  fit->add_option("--weights", fit_arguments.weights, "non-negative (default) or free");
+  fit->add_option("--energy", fit_arguments.energy,
+                  "free (default) or albedo: weights sum to the profile's; with --score: scaled to it");
+  fit->add_option("--variances", fit_arguments.variances, "shared by the channels (default) or per-channel");
+  fit->add_option("--min-variance", fit_arguments.min_variance, "Least variance in mm^2");
+  fit->add_option("--max-variance", fit_arguments.max_variance, "Largest variance in mm^2");
+  fit->add_option("--seed", fit_arguments.seed, "Of the random starts (default: 1)");
+  fit->add_option("--score", fit_arguments.score,
+                  "Fit nothing: errors of a published sum (see list) or of a FIT.json's Gaussians");
+  fit->add_option("--out", fit_arguments.out, "FIT.json to write");
+  fit->add_option("--glsl", fit_arguments.glsl, "GLSL arrays to write");
+  fit->add_option("--cpp", fit_arguments.cpp, "C++ array to write");
+  fit->add_option("--svg", fit_arguments.svg, "Plot to write");
+
   CompareArguments compare_arguments;
   CLI::App* compare = app.add_subcommand(
       "compare", "Measure one picture against another, or say what changed between two results");
@@ -112,6 +147,7 @@ int dispatch(int argc, char** argv) {
   run_arguments.gl = gl == "egl" ? truescatter::gpu::Backend::egl : truescatter::gpu::Backend::osmesa;
   if (run->parsed()) return truescatter::cli::run(run_arguments);
   if (truth->parsed()) return truescatter::cli::truth(truth_arguments);
+  if (fit->parsed()) return truescatter::cli::fit(fit_arguments);
   if (compare->parsed()) return truescatter::cli::compare(compare_arguments);
   if (report->parsed()) return truescatter::cli::report(folder);
   if (list->parsed()) return truescatter::cli::list();

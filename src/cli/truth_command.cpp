@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "arguments.h"
 #include "commands.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/parallel.h"
-#include "core/parse_number.h"
 #include "core/progress.h"
 #include "experiment/fit_file.h"
 #include "experiment/truth_files.h"
@@ -41,14 +41,6 @@ struct TruthRequest {
   std::vector<GaussianLevel> fit;  // of each layer; empty: layers stand for themselves
 };
 
-SourceLocation option(const std::string& name) { return {"--" + name, 0, 0}; }
-
-double positive(std::string_view text, const std::string& name, std::string_view what) {
-  const double value = parse_finite(text, option(name), what);
-  if (value <= 0.0) throw_input_error(option(name), "\"{}\": {} must be above 0", text, what);
-  return value;
-}
-
 double r_max_of(const TruthArguments& arguments) {
   return arguments.r_max.empty() ? std::numeric_limits<double>::infinity()
                                  : positive(arguments.r_max, "r-max", "a cut-off in mm");
@@ -58,21 +50,15 @@ double r_max_of(const TruthArguments& arguments) {
 std::vector<TruthLayer> layers_of(const TruthArguments& arguments) {
   TruthLayer layer{0.0, r_max_of(arguments)};
   std::vector<TruthLayer> layers;
-  std::string_view rest = arguments.sigma;
-  while (true) {
-    const std::size_t comma = rest.find(',');
-    std::string_view word = rest.substr(0, comma);
-    while (word.starts_with(' ')) word.remove_prefix(1);
-    while (word.ends_with(' ')) word.remove_suffix(1);
+  for (const std::string_view word : comma_separated(arguments.sigma)) {
     layer.std_dev_mm = positive(word, "sigma", "a standard deviation in mm");
     if (layer.std_dev_mm < kSmallestStdDev || layer.std_dev_mm > kLargestStdDev) {
       throw_input_error(option("sigma"), "\"{}\" is out of range: a standard deviation is {} to {} mm", word,
                         kSmallestStdDev, kLargestStdDev);
     }
     layers.push_back(layer);
-    if (comma == std::string_view::npos) return layers;
-    rest.remove_prefix(comma + 1);
   }
+  return layers;
 }
 
 // One layer for each Gaussian of --fit.
@@ -95,13 +81,6 @@ void set_layers(const TruthArguments& arguments, TruthRequest& request) {
     throw_input_error({}, "--sigma and --fit contradict each other: each says which Gaussians");
   if (!arguments.fit.empty()) request.fit = read_fit(arguments.fit);
   request.layers = arguments.fit.empty() ? layers_of(arguments) : layers_of(arguments, request.fit);
-}
-
-std::string one_of(const std::string& value, const std::string& name, const std::vector<std::string>& known) {
-  if (std::find(known.begin(), known.end(), value) == known.end()) {
-    throw_input_error(option(name), "\"{}\" is not known; there are: {}", value, fmt::join(known, ", "));
-  }
-  return value;
 }
 
 bool is_geodesic(const TruthArguments& arguments) {
@@ -169,15 +148,6 @@ double tolerance_of_each(const TruthRequest& request) {
                       request.tolerance, weights.maxCoeff(), smallest_tolerance(request));
   }
   return each;
-}
-
-// Found out before the computing, not after it.
-void check_out(const std::filesystem::path& out) {
-  const std::filesystem::path folder = out.has_parent_path() ? out.parent_path() : ".";
-  if (!std::filesystem::is_directory(folder))
-    throw_input_error({out.string()}, "cannot be written: there is no folder {}", folder.string());
-  if (out.filename().empty() || std::filesystem::is_directory(out))
-    throw_input_error({out.string()}, "is a folder; the name of a file is needed");
 }
 
 // one(i) gives every layer at point i, in parallel: [layer][point].

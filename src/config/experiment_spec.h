@@ -80,24 +80,45 @@ struct ViewSpec {
   int height_px = 640;
 };
 
-// A profile of diffusion theory, three channels of image sources.
+// A diffusion profile of three channels that Gaussians stand for.
 struct ProfileModelSpec {
-  std::string model;     // classical-dipole | better-dipole | multipole (what the slab's lit side sends back)
+  std::string model;  // classical-dipole | better-dipole | multipole (what the lit side sends back) | burley
+                      // | table
   std::string material;  // a name; empty: the coefficients below
   Vec3d sigma_a_per_mm = Vec3d::Zero();
   Vec3d sigma_s_prime_per_mm = Vec3d::Zero();
   double eta = 1.3;
-  double thickness_mm = 0.0;  // multipole
-  double tolerance = 1e-5;    // of the mixture of Gaussians that its truth is computed by, in the area norm
-  SourceLocation where;       // the model's
+  double thickness_mm = 0.0;            // multipole: of its one slab; 0: it is a stack of layers
+  std::string layers;                   // multipole: a CSV of them; empty: the material's
+  std::string table;                    // table: a CSV
+  std::string scaling = "searchlight";  // burley: or diffuse | diffuse-free-path
+  double tolerance = 1e-5;  // of the mixture of Gaussians that its truth is computed by, in the area norm
+  bool truth = true;        // its own truth is computed
+  SourceLocation where;     // the model's
   SourceLocation material_where;
+  SourceLocation file_where;  // of `layers` or `table`
 };
 
-// A profile by its built-in name, or spelled out.
+// How Gaussians are fitted to a model, or the file of a fit that was made before.
+struct FitSpec {
+  std::string file;              // a FIT.json; empty: the following
+  int gaussians = 0;             // 0: the fewest that keep to the tolerance
+  double tolerance = 0.0;        // of the worst channel in the norm
+  std::string norm = "r";        // | area | r2
+  bool nonnegative = true;       // weights
+  bool keep_albedo = false;      // weights sum to the profile's albedo
+  bool shared_variances = true;  // one set for all channels
+  std::optional<double> min_variance_mm2;
+  std::optional<double> max_variance_mm2;
+  int seed = 1;
+  SourceLocation where;
+};
+
+// A profile by its built-in name, spelled out, or fitted.
 struct ProfileSpec {
   std::string name;
   SourceLocation where;
-  bool builtin = true;
+  bool builtin = true;  // neither spelled out nor fitted
   Vec3d delta_weight = Vec3d::Zero();
   struct Gaussian {
     Vec3d variance_mm2;
@@ -105,7 +126,8 @@ struct ProfileSpec {
   };
   std::vector<Gaussian> gaussians;
   double r_max_mm = 0.0;
-  std::optional<ProfileModelSpec> of;  // what it approximates: its truth is asked for too
+  std::optional<ProfileModelSpec> of;  // what it approximates
+  std::optional<FitSpec> fit;          // of what it approximates, or from a file
 };
 
 // A method that the user brings: GLSL passes, or pictures made elsewhere.

@@ -160,20 +160,91 @@ void read_coefficients(TomlTable& table, ProfileModelSpec& of) {
   if (of.eta == 1.0) table.fail("eta", "'profile.of.eta' must be above 1");
 }
 
-ProfileModelSpec read_profile_model(TomlTable table) {
+// A key that belongs to some models only.
+void refuse_elsewhere(const TomlTable& table, const std::string& key, const std::string& why) {
+  if (table.has(key)) table.fail(key, fmt::format("'profile.of.{}' is {}", key, why));
+}
+
+// `fitted`: the profile's Gaussians are fitted to it.
+ProfileModelSpec read_profile_model(TomlTable table, bool fitted) {
   ProfileModelSpec of;
   table.text("model");
-  of.model = table.one_of("model", "", {"classical-dipole", "better-dipole", "multipole"});
+  of.model = table.one_of("model", "", {"classical-dipole", "better-dipole", "multipole", "burley", "table"});
   of.where = table.where("model");
-  read_coefficients(table, of);
   if (of.model == "multipole") {
-    of.thickness_mm = table.number("thickness_mm", 1e-6, 1e6);
-  } else if (table.has("thickness_mm")) {
-    table.fail("thickness_mm", "'profile.of.thickness_mm' is for the multipole: a dipole has no far side");
+    of.layers = table.text("layers", "");
+    of.file_where = table.where("layers");
+    if (!of.layers.empty()) {
+      for (const char* key : {"thickness_mm", "material", "sigma_a", "sigma_s_prime", "eta"})
+        refuse_elsewhere(table, key, "the layers': give one or the other");
+    }
+  } else {
+    refuse_elsewhere(table, "thickness_mm", "for the multipole: a dipole has no far side");
+    refuse_elsewhere(table, "layers", "for the multipole");
+  }
+  if (of.model == "table") {
+    of.table = table.text("table");
+    of.file_where = table.where("table");
+    for (const char* key : {"material", "sigma_a", "sigma_s_prime", "eta"})
+      refuse_elsewhere(table, key, "no table's");
+  } else {
+    refuse_elsewhere(table, "table", "for the model \"table\"");
+    if (of.layers.empty()) read_coefficients(table, of);
+  }
+  if (of.model == "multipole") {
+    // A stack of layers, by its list or its name, is only fitted.
+    const bool is_slab =
+        table.has("thickness_mm") || (of.layers.empty() && (!fitted || !table.has("material")));
+    of.thickness_mm = is_slab ? table.number("thickness_mm", 1e-6, 1e6) : 0.0;
+  }
+  if (of.model == "burley") {
+    of.scaling = table.one_of("scaling", of.scaling, {"searchlight", "diffuse", "diffuse-free-path"});
+  } else {
+    refuse_elsewhere(table, "scaling", "for the model \"burley\"");
+  }
+  // Mixtures of Gaussians with a proven bound are of image sources.
+  const bool has_truth = of.model.ends_with("dipole") || of.thickness_mm > 0.0;
+  of.truth = table.flag("truth", has_truth);
+  if (of.truth && !has_truth) {
+    table.fail("truth",
+               fmt::format("'profile.of.truth': there is no truth of a {} itself, only of dipoles and "
+                           "single slabs",
+                           of.model == "multipole" ? "stack of layers" : of.model));
   }
   of.tolerance = table.number("tolerance", of.tolerance, 1e-12, 0.1);
   table.finish();
   return of;
+}
+
+FitSpec read_fit_spec(TomlTable table) {
+  FitSpec fit;
+  fit.where = table.where();
+  fit.file = table.text("file", "");
+  if (table.has("file")) {
+    if (fit.file.empty()) table.fail("file", "'profile.fit.file' must not be empty");
+    fit.where = table.where("file");
+    table.finish();  // what was asked of a fit is in its file
+    return fit;
+  }
+  constexpr int kMost = 16;
+  const toml::value& gaussians = table.raw("gaussians");
+  if (gaussians.is_string()) {
+    table.one_of("gaussians", "", {"auto"});
+    fit.tolerance = table.number("tolerance", 1e-9, 1.0);
+  } else {
+    fit.gaussians = table.whole("gaussians", 1, 1, kMost);
+    if (table.has("tolerance"))
+      table.fail("tolerance", "'profile.fit.tolerance' goes with gaussians = \"auto\"");
+  }
+  fit.norm = table.one_of("norm", fit.norm, {"r", "area", "r2"});
+  fit.nonnegative = table.one_of("weights", "non-negative", {"non-negative", "free"}) == "non-negative";
+  fit.keep_albedo = table.one_of("energy", "free", {"free", "albedo"}) == "albedo";
+  fit.shared_variances = table.one_of("variances", "shared", {"shared", "per-channel"}) == "shared";
+  if (table.has("min_variance_mm2")) fit.min_variance_mm2 = table.number("min_variance_mm2", 1e-18, 1e18);
+  if (table.has("max_variance_mm2")) fit.max_variance_mm2 = table.number("max_variance_mm2", 1e-18, 1e18);
+  fit.seed = table.whole("seed", fit.seed, 0, 1000000000);
+  table.finish();
+  return fit;
 }
 
 ProfileSpec read_profile(TomlTable table) {
@@ -181,7 +252,22 @@ ProfileSpec read_profile(TomlTable table) {
   profile.name = table.text("name");
   profile.where = table.where("name");
   check_file_name(table, "name", "profile.name", profile.name);
-  if (table.has("of")) profile.of = read_profile_model(table.table("of"));
+  if (table.has("of")) profile.of = read_profile_model(table.table("of"), table.has("fit"));
+  if (table.has("fit")) {
+    profile.fit = read_fit_spec(table.table("fit"));
+    if (profile.fit->file.empty() && !profile.of) {
+      table.fail("fit", "'profile.fit' needs [profile.of], which says what is fitted, or the file of a fit");
+    }
+    if (table.has("gaussian"))
+      table.fail("gaussian", "a profile is fitted or has [[profile.gaussian]], not both");
+    profile.builtin = false;
+    profile.r_max_mm = table.has("r_max_mm") ? table.number("r_max_mm", 1e-6, 1e6) : 0.0;
+    table.finish();
+    return profile;
+  }
+  if (profile.of && !profile.of->truth) {
+    table.fail("of", "'profile.of' is asked for nothing: its truth is off, and there is no [profile.fit]");
+  }
   profile.builtin = !table.has("gaussian");
   if (profile.builtin) {
     table.finish();
@@ -550,22 +636,44 @@ std::string method_toml(const ExperimentSpec& spec, const MethodSpec& method) {
   return text;
 }
 
-std::string profile_model_toml(const ProfileModelSpec& of) {
+std::string profile_model_toml(const ExperimentSpec& spec, const ProfileModelSpec& of) {
   std::string text = "[profile.of]\n" + line("model", of.model);
-  if (!of.material.empty()) {
+  if (!of.table.empty()) {
+    text += line("table", portable_path(spec, of.table));
+  } else if (!of.layers.empty()) {
+    text += line("layers", portable_path(spec, of.layers));
+  } else if (!of.material.empty()) {
     text += line("material", of.material);
   } else {
     text += line("sigma_a", of.sigma_a_per_mm) + line("sigma_s_prime", of.sigma_s_prime_per_mm) +
             line("eta", of.eta);
   }
-  if (of.model == "multipole") text += line("thickness_mm", of.thickness_mm);
-  return text + line("tolerance", of.tolerance);
+  if (of.thickness_mm > 0.0) text += line("thickness_mm", of.thickness_mm);
+  if (of.model == "burley") text += line("scaling", of.scaling);
+  return text + line("truth", of.truth) + line("tolerance", of.tolerance);
 }
 
-std::string profile_toml(const ProfileSpec& profile) {
+std::string fit_toml(const ExperimentSpec& spec, const FitSpec& fit) {
+  std::string text = "[profile.fit]\n";
+  if (!fit.file.empty()) return text + line("file", portable_path(spec, fit.file));
+  text += fit.gaussians > 0 ? line("gaussians", fit.gaussians)
+                            : line("gaussians", std::string("auto")) + line("tolerance", fit.tolerance);
+  text += line("norm", fit.norm) + line("weights", std::string(fit.nonnegative ? "non-negative" : "free")) +
+          line("energy", std::string(fit.keep_albedo ? "albedo" : "free")) +
+          line("variances", std::string(fit.shared_variances ? "shared" : "per-channel"));
+  if (fit.min_variance_mm2) text += line("min_variance_mm2", *fit.min_variance_mm2);
+  if (fit.max_variance_mm2) text += line("max_variance_mm2", *fit.max_variance_mm2);
+  return text + line("seed", fit.seed);
+}
+
+std::string profile_toml(const ExperimentSpec& spec, const ProfileSpec& profile) {
   std::string text = "\n[[profile]]\n" + line("name", profile.name);
-  const std::string of = profile.of ? profile_model_toml(*profile.of) : "";
+  const std::string of = profile.of ? profile_model_toml(spec, *profile.of) : "";
   if (profile.builtin) return text + of;
+  if (profile.fit) {
+    if (profile.r_max_mm > 0.0) text += line("r_max_mm", profile.r_max_mm);
+    return text + fit_toml(spec, *profile.fit) + of;
+  }
   text += line("delta_weight", profile.delta_weight) + line("r_max_mm", profile.r_max_mm);
   for (const auto& gaussian : profile.gaussians) {
     text += "[[profile.gaussian]]\n" + line("variance_mm2", gaussian.variance_mm2) +
@@ -640,7 +748,7 @@ std::string to_toml(const ExperimentSpec& spec) {
   if (!spec.scene.normal_map.empty()) text += line("normal_map_edge_mm", spec.shading.normal_map_edge_mm);
   if (spec.scene.albedo_exponent_before() > 0.0) text += line("albedo_edge_mm", spec.shading.albedo_edge_mm);
   for (const ViewSpec& view : spec.views) text += view_toml(view);
-  for (const ProfileSpec& profile : spec.profiles) text += profile_toml(profile);
+  for (const ProfileSpec& profile : spec.profiles) text += profile_toml(spec, profile);
   for (const MethodSpec& method : spec.methods) text += method_toml(spec, method);
   text += "\n[truth]\n" + line("tolerance", spec.truth.tolerance) +
           line("audit_points", spec.truth.audit_points) + line("seed", spec.truth.seed) +

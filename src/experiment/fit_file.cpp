@@ -52,7 +52,116 @@ double number(const json& value, const std::string& file, const std::string& key
   return value.get<double>();
 }
 
+constexpr int kCurvePoints = 200;
+
+json rgb_json(const Vec3d& rgb) { return {rgb[0], rgb[1], rgb[2]}; }
+
+std::vector<WeightedGaussian> channel_of(const std::vector<GaussianLevel>& levels, std::size_t channel) {
+  std::vector<WeightedGaussian> sum;
+  for (const GaussianLevel& level : levels)
+    sum.push_back({level.variance_mm2, level.weight[static_cast<Eigen::Index>(channel)]});
+  return sum;
+}
+
+json asked_json(const DiffusionProfile& profile, const FitSpec& asked) {
+  const ProfileModelSpec& spec = profile.spec;
+  json object = {{"profile", spec.model}, {"title", profile.title()}};
+  if (!spec.material.empty()) object["material"] = spec.material;
+  if (!spec.table.empty()) object["table"] = spec.table;
+  if (!spec.layers.empty()) object["layers"] = spec.layers;
+  if (spec.sigma_s_prime_per_mm.maxCoeff() > 0.0) {
+    object["sigma_a_per_mm"] = rgb_json(spec.sigma_a_per_mm);
+    object["sigma_s_prime_per_mm"] = rgb_json(spec.sigma_s_prime_per_mm);
+    object["eta"] = spec.eta;
+  }
+  if (spec.thickness_mm > 0.0) object["thickness_mm"] = spec.thickness_mm;
+  if (spec.model == "burley") object["scaling"] = spec.scaling;
+  if (!asked.file.empty()) {
+    object["scored"] = asked.file;
+    object["energy"] = asked.keep_albedo ? "albedo" : "free";
+    return object;
+  }
+  object["gaussians"] = asked.gaussians > 0 ? json(asked.gaussians) : json("auto");
+  object["tolerance"] = asked.gaussians > 0 ? json() : json(asked.tolerance);
+  object["norm"] = asked.norm;
+  object["weights"] = asked.nonnegative ? "non-negative" : "free";
+  object["energy"] = asked.keep_albedo ? "albedo" : "free";
+  object["variances"] = asked.shared_variances ? "shared" : "per-channel";
+  if (asked.min_variance_mm2) object["min_variance_mm2"] = *asked.min_variance_mm2;
+  if (asked.max_variance_mm2) object["max_variance_mm2"] = *asked.max_variance_mm2;
+  object["seed"] = asked.seed;
+  return object;
+}
+
+// Radii from the narrowest domain's start to the widest one's end, evenly in log r. A profile that is known
+// from 0 on starts at 1e-4 of its end.
+json curve_json(const std::array<FitTarget, 3>& targets, const GaussianFit& fit) {
+  double from_mm = targets[0].r_max_mm;
+  double to_mm = 0.0;
+  for (const FitTarget& target : targets) {
+    from_mm = std::min(from_mm, std::max(target.r_min_mm, 1e-4 * target.r_max_mm));
+    to_mm = std::max(to_mm, target.r_max_mm);
+  }
+  json curve = {{"r_mm", json::array()}, {"profile", json::array()}, {"fit", json::array()}};
+  for (int i = 0; i < kCurvePoints; ++i) {
+    const double r_mm = from_mm * std::pow(to_mm / from_mm, i / (kCurvePoints - 1.0));
+    Vec3d profile;
+    Vec3d sum;
+    for (std::size_t c = 0; c < 3; ++c) {
+      profile[static_cast<Eigen::Index>(c)] = targets[c].value(r_mm);
+      sum[static_cast<Eigen::Index>(c)] = sum_value(channel_of(fit.levels, c), r_mm);
+    }
+    curve["r_mm"].push_back(r_mm);
+    curve["profile"].push_back(rgb_json(profile));
+    curve["fit"].push_back(rgb_json(sum));
+  }
+  return curve;
+}
+
 }  // namespace
+
+json fit_json(const DiffusionProfile& profile, const FitSpec& asked, const GaussianFit& fit) {
+  const std::array<FitTarget, 3> targets = profile.fit_targets();
+  json object = {{"schema", "truescatter-fit/1"}, {"asked", asked_json(profile, asked)}};
+  Vec3d total = Vec3d::Zero();
+  object["variances"] = json::array();
+  object["weights"] = json::array();
+  for (const GaussianLevel& level : fit.levels) {
+    object["variances"].push_back(level.variance_mm2);
+    object["weights"].push_back(rgb_json(level.weight));
+    total += level.weight;
+  }
+  for (const FitNorm norm : kFitNorms) {
+    json& errors = object["error"][std::string(name_of(norm))];
+    for (const FitErrors& channel : fit.errors) {
+      const std::optional<double> error = channel.in(norm);
+      errors.push_back(error ? json(*error) : json());
+      if (!error) object["error_note"] = "the norm r is not finite: the profile goes as 1/r at 0";
+    }
+  }
+  object["albedo"] = {{"profile", rgb_json(profile.albedo())}, {"fit", rgb_json(total)}};
+  for (const FitTarget& target : targets) object["domain_mm"].push_back({target.r_min_mm, target.r_max_mm});
+  object["curve"] = curve_json(targets, fit);
+  return object;
+}
+
+GaussianFit score(const DiffusionProfile& profile, const Profile& gaussians, bool to_albedo) {
+  if (!gaussians.delta_weight.isZero(0.0)) {
+    throw_input_error({}, "{} has light in a spike, which is no Gaussian: its norms are not finite",
+                      gaussians.name);
+  }
+  const std::array<FitTarget, 3> targets = profile.fit_targets();
+  GaussianFit scored;
+  scored.levels = gaussian_levels(gaussians);
+  if (to_albedo) {
+    const Vec3d total = gaussians.total_weight();
+    // A channel without light stays dark.
+    const Vec3d scale = (total.array() != 0.0).select(profile.albedo().cwiseQuotient(total), 0.0);
+    for (GaussianLevel& level : scored.levels) level.weight = level.weight.cwiseProduct(scale);
+  }
+  for (std::size_t c = 0; c < 3; ++c) scored.errors[c] = fit_errors(targets[c], channel_of(scored.levels, c));
+  return scored;
+}
 
 std::vector<GaussianLevel> read_fit(const std::filesystem::path& path) {
   const std::string file = path.string();

@@ -4,12 +4,38 @@
 #include <limits>
 #include <optional>
 
+#include "experiment/fit_file.h"
 #include "experiment/own_method.h"
 
 namespace truescatter {
 namespace {
 
-Profile resolve_profile(const ProfileSpec& spec) {
+constexpr double kRadiusStdDevs = 3.0;  // as of any list of Gaussians
+
+// Fitted now, or in a file.
+Profile fitted_profile(const ExperimentSpec& experiment, const ProfileSpec& spec, Plan& plan) {
+  Profile profile;
+  profile.name = spec.name;
+  std::vector<GaussianLevel> levels;
+  if (spec.fit->file.empty()) {
+    const DiffusionProfile& of = plan.approximated.at(spec.name);
+    const GaussianFit& fit = plan.fits.emplace(spec.name, fit_profile(of, *spec.fit)).first->second;
+    levels = fit.levels;
+    profile.title = fmt::format("{} Gaussians for the {}", levels.size(), of.title());
+    profile.source = "fitted by this experiment";
+  } else {
+    levels = read_fit(resolve_path(experiment, spec.fit->file, spec.fit->where));
+    profile.title = fmt::format("{} Gaussians of {}", levels.size(), spec.fit->file);
+    profile.source = spec.fit->file;
+  }
+  for (const GaussianLevel& level : levels)
+    profile.terms.push_back({Vec3d::Constant(level.variance_mm2), level.weight});
+  profile.r_max_mm = spec.r_max_mm > 0.0 ? spec.r_max_mm : kRadiusStdDevs * profile.widest_std_dev_mm();
+  return profile;
+}
+
+Profile resolve_profile(const ExperimentSpec& experiment, const ProfileSpec& spec, Plan& plan) {
+  if (spec.fit) return fitted_profile(experiment, spec, plan);
   if (!spec.builtin) {
     Profile profile;
     profile.name = spec.name;
@@ -110,8 +136,8 @@ std::string describe_truth(const std::string& view, const PlannedTruth& truth) {
 
 std::string describe_model_truth(const std::string& view, const Profile& profile, const ProfileModel& model) {
   return fmt::format("truth {}: {}, {} Gaussians, off by {:.2g} at most; fit error, profile error\n",
-                     model_truth_id(view, profile, true), model.title(),
-                     gaussian_levels(model.mixture).size(), model.error_bound.maxCoeff());
+                     model_truth_id(view, profile, true), model.title, gaussian_levels(model.mixture).size(),
+                     model.error_bound.maxCoeff());
 }
 
 }  // namespace
@@ -124,8 +150,16 @@ const ProfileModel* Plan::model_of(const Profile& profile) const {
 Plan make_plan(const ExperimentSpec& spec, bool without_pictures) {
   Plan plan;
   for (const ProfileSpec& profile : spec.profiles) {
-    plan.profiles.push_back(resolve_profile(profile));
-    if (profile.of) plan.models.emplace(profile.name, make_profile_model(*profile.of, profile.name));
+    if (profile.of) {
+      const auto find_file = [&](const std::string& path, const SourceLocation& where) {
+        return resolve_path(spec, path, where);
+      };
+      const DiffusionProfile& of =
+          plan.approximated.emplace(profile.name, make_diffusion_profile(*profile.of, find_file))
+              .first->second;
+      if (profile.of->truth) plan.models.emplace(profile.name, make_profile_model(of, profile.name));
+    }
+    plan.profiles.push_back(resolve_profile(spec, profile, plan));
   }
   for (const MethodSpec& m : spec.methods) {
     const std::shared_ptr<const Method> method = resolve_method(spec, m);
@@ -221,6 +255,12 @@ std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const Sc
   if (!spec.scene.skin_mask.empty()) text += fmt::format("skin mask {}\n", spec.scene.skin_mask);
   for (const PlannedMethod& m : plan.methods)
     text += fmt::format("method {}: {}{}\n", m.label, m.method->title, in_brackets(m.settings.values()));
+  for (const Profile& profile : plan.profiles) {
+    const auto fit = plan.fits.find(profile.name);
+    if (fit == plan.fits.end()) continue;
+    text += fmt::format("profile {}: {}; area error {:.3g} at most\n", profile.name, profile.title,
+                        fit->second.worst(FitNorm::area));
+  }
   const std::vector<PlannedTruth> truths = planned_truths(plan, scene.has_uvs);
   for (const ViewSpec& view : spec.views) {
     text += fmt::format("view {}: {} x {} px\n", view.name, view.width_px, view.height_px);

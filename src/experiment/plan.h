@@ -25,13 +25,17 @@ struct PlannedMethod {
 // An experiment with every name resolved: scenes x views x profiles x methods.
 struct Plan {
   std::vector<Profile> profiles;
-  std::map<std::string, ProfileModel> models;  // what profiles approximate, where they say, by their names
+  // By profiles' names: what they approximate, where they say; that with its truth, where it is asked for;
+  // and the fits that were made.
+  std::map<std::string, DiffusionProfile> approximated;
+  std::map<std::string, ProfileModel> models;
+  std::map<std::string, GaussianFit> fits;
   std::vector<PlannedMethod> methods;
   std::vector<OwnTarget> extra_targets;  // every method is measured against these too
   std::string no_geodesics;              // why no geodesic truth is computed; empty: they are
   std::vector<LadderSpec> ladders;
 
-  // What this profile approximates; null where it does not say.
+  // What this profile approximates, where its truth is asked for; else null.
   const ProfileModel* model_of(const Profile& profile) const;
 };
 

@@ -58,7 +58,7 @@ RadialCheck check_radially(const ProfileModel& model, const WeightedSum& sum, co
   const RadialExactEngine engine(skin, tolerance);
   const double largest_irradiance = skin.largest_irradiance();
   std::vector<double> differences(points.size());
-  Progress progress(fmt::format("{} itself at {} points", model.title(), points.size()), points.size());
+  Progress progress(fmt::format("{} itself at {} points", model.title, points.size()), points.size());
   parallel_for(points.size(), [&](std::size_t i) {
     differences[i] = difference_at(model, sum, points[i], truth.points().on_surface[points[i]], engine,
                                    largest_irradiance);

@@ -1,5 +1,7 @@
 #include "experiment/result_json.h"
 
+#include "experiment/fit_file.h"
+
 namespace truescatter {
 namespace {
 
@@ -114,10 +116,17 @@ json truth_json(const std::string& view, const PlannedTruth& planned, const Trut
   return object;
 }
 
+json profile_fit_json(const DiffusionProfile& profile, const FitSpec& asked, const GaussianFit& fit) {
+  json object = fit_json(profile, asked, fit);
+  object.erase("curve");
+  object.erase("schema");
+  return object;
+}
+
 json profile_model_json(const ProfileModel& model) {
   const ProfileModelSpec& spec = model.spec;
   json object = {{"model", spec.model},
-                 {"title", model.title()},
+                 {"title", model.title},
                  {"sigma_a_per_mm", rgb_json(spec.sigma_a_per_mm)},
                  {"sigma_s_prime_per_mm", rgb_json(spec.sigma_s_prime_per_mm)},
                  {"eta", spec.eta},

@@ -17,6 +17,10 @@ nlohmann::json scene_json(const ExperimentSpec& spec, const PreparedScene& scene
 nlohmann::json profile_json(const Profile& profile);
 // What a profile approximates: the model with its coefficients, its albedo, and the mixture that stands for
 // it.
+// As FIT.json has it, without the curve.
+nlohmann::json profile_fit_json(const DiffusionProfile& profile, const FitSpec& asked,
+                                const GaussianFit& fit);
+
 nlohmann::json profile_model_json(const ProfileModel& model);
 nlohmann::json settings_json(const Settings& settings);
 // metric, normalised, visible_only, r_max_mm.

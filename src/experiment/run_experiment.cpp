@@ -82,8 +82,13 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                   {"light_paths", json::array()},
                   {"runs", json::array()},
                   {"ladders", json::array()}};
-  for (const Profile& profile : plan.profiles) {
+  for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
+    const Profile& profile = plan.profiles[i];
     results["profiles"].push_back(profile_json(profile));
+    if (const auto fit = plan.fits.find(profile.name); fit != plan.fits.end()) {
+      results["profiles"].back()["fit"] =
+          profile_fit_json(plan.approximated.at(profile.name), *spec.profiles[i].fit, fit->second);
+    }
     if (const ProfileModel* model = plan.model_of(profile))
       results["profiles"].back()["of"] = profile_model_json(*model);
   }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/csv.h"
 #include "core/error.h"
 #include "core/vec.h"
 
@@ -57,18 +58,24 @@ double gamma_phase(double y) {
   return phase + ((far - 0.5) * std::log(far) - far + series).imag();
 }
 
+// Of one layer by itself.
+void require_valid(const Layer& layer) {
+  require_valid(layer.medium);
+  const double path_mm = layer.medium.mean_free_path_mm();
+  if (!(layer.thickness_mm > path_mm)) {
+    throw_input_error(
+        {},
+        "a layer is {} mm thick: diffusion theory has no valid answer for one that is no thicker "
+        "than its mean free path, {} mm",
+        layer.thickness_mm, path_mm);
+  }
+}
+
 void require_valid(const std::vector<Layer>& layers) {
   if (layers.empty()) throw_input_error({}, "a stack needs at least one layer");
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const Layer& layer = layers[i];
-    require_valid(layer.medium);
-    const double path_mm = layer.medium.mean_free_path_mm();
-    if (!(layer.thickness_mm > path_mm)) {
-      throw_input_error({},
-                        "layer {} is {} mm thick: diffusion theory has no valid answer for one that is no "
-                        "thicker than its mean free path, {} mm",
-                        i + 1, layer.thickness_mm, path_mm);
-    }
+    require_valid(layer);
     if (std::isinf(layer.thickness_mm) && i + 1 < layers.size())
       throw_input_error({}, "layer {} has no end, and layers follow", i + 1);
   }
@@ -184,6 +191,31 @@ const std::vector<LayeredMaterial>& layered_materials() {
                                  {{48.0, 60.0, 65.0}, {32.0, 40.0, 46.0}, {4.5, 4.7, 4.8}}, {1.4, 1.34, 1.4},
                                  {0.25, 0.20, std::numeric_limits<double>::infinity()})}};
   return table;
+}
+
+std::array<std::vector<Layer>, 3> read_layers(const std::filesystem::path& path) {
+  CsvReader reader(path, {"thickness_mm", "sigma_a_r", "sigma_a_g", "sigma_a_b", "sigma_s_prime_r",
+                          "sigma_s_prime_g", "sigma_s_prime_b", "eta"});
+  std::array<std::vector<Layer>, 3> channels;
+  bool ended = false;
+  while (reader.next()) {
+    if (ended) throw_input_error(reader.where(), "the layer above has no end, and layers follow");
+    const double stated_mm = reader.number(0);
+    if (stated_mm < 0.0)
+      throw_input_error(reader.where(0), "{}: a thickness must not be negative", stated_mm);
+    ended = stated_mm == 0.0;
+    const double thickness_mm = ended ? std::numeric_limits<double>::infinity() : stated_mm;
+    for (std::size_t c = 0; c < 3; ++c) {
+      channels[c].push_back({{reader.number(1 + c), reader.number(4 + c), reader.number(7)}, thickness_mm});
+      try {
+        require_valid(channels[c].back());
+      } catch (const Error& error) {
+        throw Error(error.kind(), reader.where(), error.what());
+      }
+    }
+  }
+  if (channels[0].empty()) throw_input_error({path.string()}, "there is no layer below the header");
+  return channels;
 }
 
 }  // namespace truescatter

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <complex>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -83,5 +84,11 @@ struct LayeredMaterial {
   std::array<std::vector<Layer>, 3> channels;
 };
 const std::vector<LayeredMaterial>& layered_materials();
+
+// Reads a CSV of layers from the top, one a row, with the header
+// `thickness_mm,sigma_a_r,sigma_a_g,sigma_a_b,sigma_s_prime_r,sigma_s_prime_g,sigma_s_prime_b,eta`:
+// coefficients in 1/mm; a thickness of 0 says that the layer (the last one) has no end. Throws Error (input)
+// that names file, line and rule.
+std::array<std::vector<Layer>, 3> read_layers(const std::filesystem::path& path);
 
 }  // namespace truescatter

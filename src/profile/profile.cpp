@@ -49,6 +49,18 @@ Profile skin_six_gaussian() {
   return profile;
 }
 
+// d'Eon & Luebke 2007: four Gaussians for the green of marble. Their red and blue are not published.
+Profile marble_green_four_gaussian() {
+  Profile profile;
+  profile.name = "marble-green-four-gaussian";
+  profile.title = "Marble, green alone, four Gaussians (d'Eon & Luebke)";
+  profile.source = "d'Eon & Luebke 2007; fitted to a dipole of Jensen et al. 2001's marble, green";
+  profile.terms = {shared_term(0.036, {0.0, 0.070, 0.0}), shared_term(0.14, {0.0, 0.18, 0.0}),
+                   shared_term(0.91, {0.0, 0.21, 0.0}), shared_term(7.0, {0.0, 0.29, 0.0})};
+  profile.r_max_mm = 3.0 * std::sqrt(7.0);
+  return profile;
+}
+
 }  // namespace
 
 Vec3d Profile::total_weight() const {
@@ -86,6 +98,11 @@ const std::vector<Profile>& builtin_profiles() {
   static const std::vector<Profile> profiles = {spike_and_base(), spike_and_base_sigma(),
                                                 skin_six_gaussian()};
   return profiles;
+}
+
+const std::vector<Profile>& published_sums() {
+  static const std::vector<Profile> sums = {skin_six_gaussian(), marble_green_four_gaussian()};
+  return sums;
 }
 
 Profile scaled(const Profile& profile, double factor) {

@@ -51,6 +51,12 @@ std::vector<GaussianLevel> gaussian_levels(const Profile& profile);
 //   skin-six-gaussian     d'Eon & Luebke's six Gaussians, as in Yang et al. figure 2
 const std::vector<Profile>& builtin_profiles();
 
+// The published sums of Gaussians, to be scored against the profiles that they stand for:
+//   skin-six-gaussian           as above
+//   marble-green-four-gaussian  d'Eon & Luebke 2007's marble; green alone is published, so red and blue are
+//   dark
+const std::vector<Profile>& published_sums();
+
 // A copy of `profile` with every length scaled by `factor` (> 0): variances by its square.
 Profile scaled(const Profile& profile, double factor);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <string>
+#include <tuple>
 
 #include "support/error_of.h"
 #include "support/temp_dir.h"
@@ -365,7 +366,18 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
       EXPECT_EQ(a.profiles[i].gaussians[g].weight, b.profiles[i].gaussians[g].weight);
     }
     ASSERT_EQ(a.profiles[i].of.has_value(), b.profiles[i].of.has_value());
+    ASSERT_EQ(a.profiles[i].fit.has_value(), b.profiles[i].fit.has_value());
+    if (a.profiles[i].fit) {
+      const FitSpec& fit = *a.profiles[i].fit;
+      const FitSpec& other = *b.profiles[i].fit;
+      EXPECT_EQ(std::tie(fit.gaussians, fit.tolerance, fit.norm, fit.nonnegative, fit.keep_albedo,
+                         fit.shared_variances, fit.min_variance_mm2, fit.max_variance_mm2, fit.seed),
+                std::tie(other.gaussians, other.tolerance, other.norm, other.nonnegative, other.keep_albedo,
+                         other.shared_variances, other.min_variance_mm2, other.max_variance_mm2, other.seed));
+    }
     if (!a.profiles[i].of) continue;
+    EXPECT_EQ(a.profiles[i].of->truth, b.profiles[i].of->truth);
+    EXPECT_EQ(a.profiles[i].of->scaling, b.profiles[i].of->scaling);
     EXPECT_EQ(a.profiles[i].of->model, b.profiles[i].of->model);
     EXPECT_EQ(a.profiles[i].of->material, b.profiles[i].of->material);
     EXPECT_EQ(a.profiles[i].of->sigma_a_per_mm, b.profiles[i].of->sigma_a_per_mm);
@@ -533,6 +545,61 @@ TEST_F(ExperimentSpecTest, AMissingFileTellsWhereToObtainIt) {
                "e.toml:2:8: '${TRUESCATTER_TEST_UNSET}/a': the environment variable TRUESCATTER_TEST_UNSET "
                "is not set\n"
                "Ask the librarian.");
+}
+
+TEST_F(ExperimentSpecTest, HasFittedProfiles) {
+  const std::string profiles = R"(
+[[profile]]
+name = "few"
+r_max_mm = 9
+[profile.fit]
+gaussians = "auto"
+tolerance = 0.01
+norm = "area"
+weights = "free"
+energy = "albedo"
+variances = "per-channel"
+min_variance_mm2 = 0.01
+seed = 7
+[profile.of]
+model = "burley"
+material = "skin1"
+scaling = "diffuse"
+
+[[profile]]
+name = "from-file"
+[profile.fit]
+file = "/tmp/fit.json"
+
+[[profile]]
+name = "stack"
+[profile.fit]
+gaussians = 4
+[profile.of]
+model = "multipole"
+material = "skin-three-layer"
+)";
+  const std::string text = kFull;
+  const std::size_t at = text.find("[[method]]");
+  const ExperimentSpec spec = read(text.substr(0, at) + profiles + text.substr(at));
+  const std::size_t first = spec.profiles.size() - 3;
+  const FitSpec& few = spec.profiles[first].fit.value();
+  EXPECT_EQ(few.gaussians, 0);
+  EXPECT_EQ(few.tolerance, 0.01);
+  EXPECT_EQ(few.norm, "area");
+  EXPECT_FALSE(few.nonnegative);
+  EXPECT_TRUE(few.keep_albedo);
+  EXPECT_FALSE(few.shared_variances);
+  EXPECT_EQ(few.min_variance_mm2, 0.01);
+  EXPECT_FALSE(few.max_variance_mm2);
+  EXPECT_EQ(few.seed, 7);
+  EXPECT_EQ(spec.profiles[first].r_max_mm, 9.0);
+  EXPECT_EQ(spec.profiles[first].of->scaling, "diffuse");
+  EXPECT_FALSE(spec.profiles[first].of->truth);
+  EXPECT_EQ(spec.profiles[first + 1].fit->file, "/tmp/fit.json");
+  EXPECT_FALSE(spec.profiles[first + 2].of->truth);
+  EXPECT_EQ(spec.profiles[first + 2].fit->gaussians, 4);
+  expect_same(read(to_toml(spec)), spec);
 }
 
 }  // namespace

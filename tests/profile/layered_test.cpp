@@ -13,6 +13,7 @@
 #include "core/vec.h"
 #include "profile/image_sources.h"
 #include "support/error_of.h"
+#include "support/temp_dir.h"
 
 namespace truescatter {
 namespace {
@@ -119,17 +120,48 @@ TEST(Layered, SkinOfThreeLayersHasItsAlbedoAsAnIntegral) {
   }
 }
 
+constexpr const char* kLayersHeader =
+    "thickness_mm,sigma_a_r,sigma_a_g,sigma_a_b,sigma_s_prime_r,sigma_s_prime_g,sigma_s_prime_b,eta\n";
+
+TEST(LayersFile, IsRead) {
+  const test::TempDir folder;
+  const auto channels = read_layers(
+      folder.write("l.csv", std::string(kLayersHeader) + "2,0.1,0.2,0.3,1,2,3,1.4\n0,1,1,1,9,8,7,1.3\n"));
+  ASSERT_EQ(channels[1].size(), 2u);
+  EXPECT_EQ(channels[1][0].thickness_mm, 2.0);
+  EXPECT_EQ(channels[1][0].medium.sigma_a_per_mm, 0.2);
+  EXPECT_EQ(channels[2][0].medium.sigma_s_prime_per_mm, 3.0);
+  EXPECT_EQ(channels[0][0].medium.eta, 1.4);
+  EXPECT_EQ(channels[2][1].thickness_mm, kEndless);
+  EXPECT_EQ(channels[2][1].medium.sigma_s_prime_per_mm, 7.0);
+}
+
+TEST(LayersFile, IsRefusedAtTheOffendingRow) {
+  const test::TempDir folder;
+  const auto refusal = [&](const std::string& rows) {
+    const auto path = folder.write("l.csv", kLayersHeader + rows);
+    const auto error = test::error_of([&] { read_layers(path); });
+    return error ? std::string(error->what()).substr(folder.path().string().size() + 1) : "accepted";
+  };
+  EXPECT_EQ(refusal(""), "l.csv: there is no layer below the header");
+  EXPECT_EQ(refusal("-1,1,1,1,1,1,1,1.3\n"), "l.csv:2:1: -1: a thickness must not be negative");
+  EXPECT_EQ(refusal("0,1,1,1,1,1,1,1.3\n9,1,1,1,1,1,1,1.3\n"),
+            "l.csv:3: the layer above has no end, and layers follow");
+  EXPECT_TRUE(refusal("0.3,1,1,1,1,1,1,1.3\n").starts_with("l.csv:2: a layer is 0.3 mm thick"));
+  EXPECT_EQ(refusal("9,1,1,1,1,1,1,0.9\n"), "l.csv:2: eta is 0.9: it must be above 1, and finite");
+}
+
 TEST(Layered, RefusesWhatHasNoAnswer) {
   const auto refusal = [](std::vector<Layer> layers) {
     const auto error = test::error_of([&] { LayeredProfile profile(layers); });
     return error ? std::string(error->what()) : "accepted";
   };
   EXPECT_EQ(refusal({}), "a stack needs at least one layer");
-  EXPECT_NE(refusal({{kSkin1Green, 0.9}}).find("layer 1 is 0.9 mm thick"), std::string::npos);
+  EXPECT_NE(refusal({{kSkin1Green, 0.9}}).find("a layer is 0.9 mm thick"), std::string::npos);
   EXPECT_NE(refusal({{kSkin1Green, kEndless}, {kSkin1Green, 2.0}}).find("layer 1 has no end"),
             std::string::npos);
   EXPECT_NE(refusal({{{-1.0, 1.0, 1.3}, 2.0}}).find("sigma_a"), std::string::npos);
-  EXPECT_NE(refusal({{kSkin1Green, std::nan("")}}).find("layer 1 is nan mm"), std::string::npos);
+  EXPECT_NE(refusal({{kSkin1Green, std::nan("")}}).find("a layer is nan mm"), std::string::npos);
 }
 
 }  // namespace

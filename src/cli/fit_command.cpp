@@ -1,0 +1,205 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "arguments.h"
+#include "commands.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/parse_number.h"
+#include "experiment/fit_file.h"
+#include "experiment/fit_text.h"
+#include "report/fit_plot.h"
+
+namespace truescatter::cli {
+namespace {
+
+constexpr int kMostGaussians = 16;
+constexpr int kMostSeed = 1000000000;
+
+// A number for every channel, or one for each: "1" or "1,2,3".
+Vec3d rgb(const std::string& text, const std::string& name, std::string_view what) {
+  const std::vector<std::string_view> words = comma_separated(text);
+  if (words.size() != 1 && words.size() != 3)
+    throw_input_error(option(name), "\"{}\": {} needs one number, or three as R,G,B", text, what);
+  Vec3d values;
+  for (std::size_t c = 0; c < 3; ++c)
+    values[static_cast<Eigen::Index>(c)] = parse_finite(words[words.size() == 3 ? c : 0], option(name), what);
+  return values;
+}
+
+void refuse_with(const std::string& given, const std::string& name, const std::string& why) {
+  if (!given.empty()) throw_input_error(option(name), "\"{}\": {}", given, why);
+}
+
+// The medium by its coefficients, all of them.
+void set_coefficients(const FitArguments& arguments, ProfileModelSpec& spec) {
+  for (const auto& [name, given] :
+       {std::pair("sigma-a", &arguments.sigma_a), std::pair("sigma-s-prime", &arguments.sigma_s_prime),
+        std::pair("eta", &arguments.eta)}) {
+    if (given->empty()) {
+      throw_input_error(option(name),
+                        "is missing: a medium is a --material, or --sigma-a, --sigma-s-prime and --eta");
+    }
+  }
+  spec.sigma_a_per_mm = rgb(arguments.sigma_a, "sigma-a", "an absorption in 1/mm");
+  spec.sigma_s_prime_per_mm = rgb(arguments.sigma_s_prime, "sigma-s-prime", "a reduced scattering in 1/mm");
+  spec.eta = parse_finite(arguments.eta, option("eta"), "an index of refraction");
+}
+
+ProfileModelSpec profile_of(const FitArguments& arguments) {
+  ProfileModelSpec spec;
+  const std::string name = arguments.profile == "dipole" ? "classical-dipole" : arguments.profile;
+  spec.model = one_of(name, "profile", {"classical-dipole", "better-dipole", "multipole", "burley", "table"});
+  spec.truth = false;
+  spec.where = option("profile");
+  spec.material = arguments.material;
+  spec.material_where = option("material");
+  if (spec.model != "table") refuse_with(arguments.table, "table", "goes with --profile table");
+  if (spec.model != "burley") refuse_with(arguments.scaling, "scaling", "goes with --profile burley");
+  if (spec.model != "multipole") {
+    refuse_with(arguments.thickness, "thickness", "goes with --profile multipole");
+    refuse_with(arguments.layers, "layers", "goes with --profile multipole");
+  }
+  const bool of_file = spec.model == "table" || !arguments.layers.empty();
+  if (of_file || !spec.material.empty()) {
+    const std::string why = of_file ? "is in the file" : "is the material's: give one or the other";
+    refuse_with(arguments.sigma_a, "sigma-a", why);
+    refuse_with(arguments.sigma_s_prime, "sigma-s-prime", why);
+    refuse_with(arguments.eta, "eta", why);
+  }
+  if (of_file) {
+    refuse_with(spec.material, "material", "is in the file");
+    if (spec.model == "table" && arguments.table.empty())
+      throw_input_error(option("table"), "is missing: a CSV with the header r_mm,r,g,b");
+    refuse_with(arguments.thickness, "thickness", "is in the file");
+    spec.table = arguments.table;
+    spec.layers = arguments.layers;
+    return spec;
+  }
+  if (spec.material.empty()) set_coefficients(arguments, spec);
+  if (!arguments.thickness.empty())
+    spec.thickness_mm = positive(arguments.thickness, "thickness", "a thickness in mm");
+  if (!arguments.scaling.empty())
+    spec.scaling = one_of(arguments.scaling, "scaling", {"searchlight", "diffuse", "diffuse-free-path"});
+  return spec;
+}
+
+// Of two words, of which the first is the default.
+bool is_first(const std::string& given, const std::string& name, const std::string& first,
+              const std::string& second) {
+  return given.empty() || one_of(given, name, {first, second}) == first;
+}
+
+bool keeps_albedo(const FitArguments& arguments) {
+  return !is_first(arguments.energy, "energy", "free", "albedo");
+}
+
+FitSpec fit_of(const FitArguments& arguments) {
+  FitSpec fit;
+  fit.where = option("gaussians");
+  if (arguments.gaussians == "auto") {
+    if (arguments.tolerance.empty())
+      throw_input_error(option("tolerance"), "is missing: --gaussians auto finds the fewest that keep to it");
+    fit.tolerance = positive(arguments.tolerance, "tolerance", "a relative error");
+  } else {
+    refuse_with(arguments.tolerance, "tolerance", "goes with --gaussians auto");
+    fit.gaussians = parse_integer(arguments.gaussians, option("gaussians"), "a number of Gaussians");
+    if (fit.gaussians < 1 || fit.gaussians > kMostGaussians)
+      throw_input_error(option("gaussians"), "{} is out of range: 1 to {}, or auto", fit.gaussians,
+                        kMostGaussians);
+  }
+  // Burley's profile has no finite norm r.
+  const std::string usual_norm = arguments.profile == "burley" ? "area" : "r";
+  fit.norm = arguments.norm.empty() ? usual_norm : one_of(arguments.norm, "norm", {"r", "area", "r2"});
+  fit.nonnegative = is_first(arguments.weights, "weights", "non-negative", "free");
+  fit.keep_albedo = keeps_albedo(arguments);
+  fit.shared_variances = is_first(arguments.variances, "variances", "shared", "per-channel");
+  if (!arguments.min_variance.empty())
+    fit.min_variance_mm2 = positive(arguments.min_variance, "min-variance", "a variance in mm^2");
+  if (!arguments.max_variance.empty())
+    fit.max_variance_mm2 = positive(arguments.max_variance, "max-variance", "a variance in mm^2");
+  if (!arguments.seed.empty()) {
+    fit.seed = parse_integer(arguments.seed, option("seed"), "a seed");
+    if (fit.seed < 0 || fit.seed > kMostSeed)
+      throw_input_error(option("seed"), "{} is out of range: 0 to {}", fit.seed, kMostSeed);
+  }
+  return fit;
+}
+
+// A published sum by its name, or the Gaussians of a file.
+Profile gaussians_named(const std::string& name) {
+  const std::vector<Profile>& known = published_sums();
+  const auto found =
+      std::find_if(known.begin(), known.end(), [&](const Profile& p) { return p.name == name; });
+  if (found != known.end()) return *found;
+  if (!std::filesystem::exists(name)) {
+    std::vector<std::string> names;
+    for (const Profile& p : known) names.push_back(p.name);
+    throw_input_error(option("score"), "\"{}\" is no file, and no published sum; there are: {}", name,
+                      fmt::join(names, ", "));
+  }
+  Profile profile;
+  profile.name = name;
+  for (const GaussianLevel& level : read_fit(name))
+    profile.terms.push_back({Vec3d::Constant(level.variance_mm2), level.weight});
+  return profile;
+}
+
+void refuse_with_score(const FitArguments& arguments) {
+  for (const auto& [name, given] :
+       {std::pair("gaussians", &arguments.gaussians), std::pair("tolerance", &arguments.tolerance),
+        std::pair("norm", &arguments.norm), std::pair("weights", &arguments.weights),
+        std::pair("variances", &arguments.variances), std::pair("min-variance", &arguments.min_variance),
+        std::pair("max-variance", &arguments.max_variance), std::pair("seed", &arguments.seed)})
+    refuse_with(*given, name, "goes with a fit, and --score fits nothing");
+}
+
+}  // namespace
+
+int fit(const FitArguments& arguments) {
+  const bool scores = !arguments.score.empty();
+  if (scores) refuse_with_score(arguments);
+  if (!scores && arguments.gaussians.empty())
+    throw_input_error(option("gaussians"), "is missing: how many, or auto with a --tolerance");
+  if (!scores && arguments.out.empty()) throw_input_error(option("out"), "is missing: the FIT.json to write");
+  FitSpec asked;
+  if (scores) {
+    asked.file = arguments.score;
+    asked.keep_albedo = keeps_albedo(arguments);
+  } else {
+    asked = fit_of(arguments);
+  }
+  for (const std::filesystem::path& path : {arguments.out, arguments.glsl, arguments.cpp, arguments.svg})
+    if (!path.empty()) check_out(path);
+  const DiffusionProfile profile = make_diffusion_profile(
+      profile_of(arguments),
+      [](const std::string& path, const SourceLocation&) { return std::filesystem::path(path); });
+  const auto start = std::chrono::steady_clock::now();
+  const GaussianFit found = scores ? score(profile, gaussians_named(arguments.score), asked.keep_albedo)
+                                   : fit_profile(profile, asked);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+
+  const std::string json = fit_json(profile, asked, found).dump(2) + "\n";
+  const std::vector<std::pair<std::filesystem::path, std::string>> files = {
+      {arguments.out, json},
+      {arguments.glsl, fit_glsl(profile, asked, found)},
+      {arguments.cpp, fit_cpp(profile, asked, found)},
+      {arguments.svg, arguments.svg.empty() ? "" : fit_plot_svg(json)}};
+  for (const auto& [path, text] : files)
+    if (!path.empty()) write_text_file(path, text);
+  fmt::print("{}", fit_table(profile, asked, found));
+  fmt::print("{} in {:.0f} ms\n", scores ? "scored" : "fitted", took.count());
+  for (const auto& [path, text] : files)
+    if (!path.empty()) fmt::print("{}\n", path.string());
+  return 0;
+}
+
+}  // namespace truescatter::cli
