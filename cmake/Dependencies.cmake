@@ -9,7 +9,16 @@ find_package(OpenMesh REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Boost 1.74 REQUIRED)
 find_package(CGAL 5.5 REQUIRED)
-find_package(Ceres REQUIRED)
+# Ceres' CMake package names its static library, which holds Eigen's functions compiled for other instructions
+# than ours. The linker would keep one copy of each, of theirs or ours, and they do not fit together (crashes in
+# code that has nothing to do with Ceres). The shared library keeps its own to itself.
+find_library(CERES_LIBRARY libceres.so REQUIRED)
+find_path(CERES_INCLUDE_DIR ceres/ceres.h REQUIRED)
+find_package(glog REQUIRED)
+add_library(ceres_shared SHARED IMPORTED)
+set_target_properties(ceres_shared PROPERTIES
+  IMPORTED_LOCATION ${CERES_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${CERES_INCLUDE_DIR}
+  INTERFACE_LINK_LIBRARIES glog::glog)
 find_package(CLI11 REQUIRED)
 find_package(toml11 REQUIRED)
 find_package(PkgConfig REQUIRED)

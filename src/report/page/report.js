@@ -2,7 +2,8 @@
 
 const SECTIONS = [
   ["overview", "Overview"], ["speed", "Speed against accuracy"], ["pictures", "Pictures"],
-  ["metrics", "Metrics"], ...(ladders.length > 0 ? [["ladders", "Assumptions"]] : []), ["halos", "Halos"], ["what", "What was run"]
+  ["metrics", "Metrics"], ...(ladders.length > 0 ? [["ladders", "Assumptions"]] : []),
+  ...(termGroups().length > 0 ? [["terms", "Gaussians"]] : []), ["halos", "Halos"], ["what", "What was run"]
 ];
 
 document.getElementById("head").append(...pageHead().filter(Boolean));
@@ -10,7 +11,7 @@ document.getElementById("nav").append(...SECTIONS.map(([id, title]) => h("a", {h
 append(
     document.getElementById("main"),
     [
-      overview(), costSection(), pictureSection(), tableSection(), ladderSection(), haloSection(),
+      overview(), costSection(), pictureSection(), tableSection(), ladderSection(), termsSection(), haloSection(),
       detailsSection()
     ]);
 document.documentElement.dataset.ready = "yes";
