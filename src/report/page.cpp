@@ -25,7 +25,7 @@ std::string all_scripts() {
   std::string text;
   for (const char* name :
        {"base.js", "data.js", "summary.js", "scatter.js", "halo.js", "pictures.js", "viewer.js", "fit.js",
-        "paths.js", "tables.js", "ladder.js", "details.js", "report.js"}) {
+        "terms.js", "paths.js", "tables.js", "ladder.js", "details.js", "report.js"}) {
     text += page_file(name);
   }
   return text;

@@ -45,7 +45,7 @@ function termLines(group, channel) {
   const run = (sum, label) => sum.runs.find((r) => r.label === label) || {};
   const methods = unique(group.sums.flatMap((sum) => sum.runs.map((r) => r.label)));
   return [
-    {name: "the Gaussians alone", colour: "var(--text)", points: points((sum) => sum.fit)},
+    {name: "the Gaussians alone", colour: "var(--ink)", points: points((sum) => sum.fit)},
     ...methods.flatMap((label) => [{
                          name: label,
                          colour: styleOf(label).colour,
