@@ -339,6 +339,41 @@ TEST_F(CliRun, ADryRunListsTheTruthOfTheProfileItself) {
   EXPECT_TRUE(contains(result.out, " at most; fit error, profile error\n")) << result.out;
 }
 
+// Gaussians fitted by the run, and the same from the file that `fit` writes: the same sums, so the same runs;
+// and more of them come nearer to the profile.
+TEST_F(CliRun, FitsProfilesOrTakesAFile) {
+  const std::string medium = "sigma_a = 2.0\nsigma_s_prime = 1.0\n";
+  const auto fitted = [&](const std::string& name, int gaussians) {
+    return "name = \"" + name + "\"\n[profile.fit]\ngaussians = " + std::to_string(gaussians) +
+           "\n[profile.of]\nmodel = \"classical-dipole\"\n" + medium;
+  };
+  ASSERT_EQ(truescatter({"fit", "--profile", "dipole", "--sigma-a", "2", "--sigma-s-prime", "1", "--eta",
+                         "1.3", "--gaussians", "3", "--out", "three.json"})
+                .exit_code,
+            0);
+  const std::string profiles = fitted("one", 1) + "[[profile]]\n" + fitted("three", 3) +
+                               "[[profile]]\nname = \"file\"\n[profile.fit]\nfile = \"three.json\"\n";
+  const ProgramResult result = run(with(kTiny, "name = \"spike-and-base\"\n", profiles));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  const Json& sums = results.at("profiles");
+  ASSERT_EQ(sums.size(), 3U);
+  EXPECT_EQ(sums[0].at("gaussians").size(), 1U);
+  EXPECT_EQ(sums[1].at("gaussians"), sums[2].at("gaussians"));
+  EXPECT_EQ(sums[1].at("fit").at("variances").size(), 3U);
+  EXPECT_EQ(sums[1].at("fit").at("asked").at("norm"), "r");
+  EXPECT_FALSE(sums[2].contains("fit"));
+  ASSERT_EQ(results.at("fit_errors").size(), 2U);
+  EXPECT_LT(results.at("fit_errors")[1].at("metrics").at("rmse").get<double>(),
+            results.at("fit_errors")[0].at("metrics").at("rmse").get<double>());
+  const auto rmse = [&](const std::string& profile) {
+    for (const Json& r : results.at("runs"))
+      if (r.at("profile") == profile) return r.at("metrics").at("rmse").get<double>();
+    return -1.0;
+  };
+  EXPECT_EQ(rmse("three"), rmse("file"));
+}
+
 // Everything that a run says but times and provenance.
 Json without_times(Json results) {
   results.erase("provenance");
