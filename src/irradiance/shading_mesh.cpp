@@ -18,9 +18,26 @@ void label_skin(ShadingMesh& shading, const SkinMask& mask) {
   }
 }
 
-// Replaces the smooth lighting of every corner by that with the normal map and the albedo. The corners around
-// a vertex that share an interpolated normal share the value.
+void label_components(ShadingMesh& shading) {
+  const std::vector<int> components = truescatter::label_components(
+      shading.triangles.size(), [&](std::size_t t) { return shading.triangles[t].vertices; },
+      [&](std::size_t t) { return shading.triangles[t].skin; });
+  for (std::size_t t = 0; t < components.size(); ++t) {
+    shading.triangles[t].component = components[t];
+    shading.component_count = std::max(shading.component_count, components[t] + 1);
+  }
+}
+
+// Replaces the smooth lighting of every corner by that with the normal map and the albedo.
 void apply_maps(ShadingMesh& shading, const Lighting& lighting) {
+  const CornerIrradiance values = corner_irradiance(shading, lighting);
+  for (std::size_t t = 0; t < values.size(); ++t) shading.triangles[t].irradiance = values[t];
+}
+
+}  // namespace
+
+CornerIrradiance corner_irradiance(const ShadingMesh& shading, const Lighting& lighting) {
+  CornerIrradiance values(shading.triangles.size());
   const CornersByVertex corners(shading.positions_mm.size(), shading.triangles.size(),
                                 [&](std::size_t t) { return shading.triangles[t].vertices; });
   parallel_for(shading.positions_mm.size(), [&](std::size_t vertex) {
@@ -39,24 +56,13 @@ void apply_maps(ShadingMesh& shading, const Lighting& lighting) {
       }
       const Vec3d irradiance = lighting.irradiance(place);
       for (auto at = left.begin(); at != others; ++at) {
-        shading.triangles[*at / 3].irradiance[*at % 3] = irradiance;
+        values[*at / 3][*at % 3] = irradiance;
       }
       left.erase(left.begin(), others);
     }
   });
+  return values;
 }
-
-void label_components(ShadingMesh& shading) {
-  const std::vector<int> components = truescatter::label_components(
-      shading.triangles.size(), [&](std::size_t t) { return shading.triangles[t].vertices; },
-      [&](std::size_t t) { return shading.triangles[t].skin; });
-  for (std::size_t t = 0; t < components.size(); ++t) {
-    shading.triangles[t].component = components[t];
-    shading.component_count = std::max(shading.component_count, components[t] + 1);
-  }
-}
-
-}  // namespace
 
 ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
                               const RefinementSettings& settings) {

@@ -67,6 +67,13 @@ struct RefinementSettings {
 ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
                               const RefinementSettings& settings);
 
+// The irradiance of every triangle's corners, in the order of ShadingMesh::triangles.
+using CornerIrradiance = std::vector<std::array<Vec3d, 3>>;
+
+// What `lighting`, normal map and albedo included, gives at the corners of `shading`, which need not have
+// been made by it. The corners around a vertex that share an interpolated normal share the value.
+CornerIrradiance corner_irradiance(const ShadingMesh& shading, const Lighting& lighting);
+
 // The largest irradiance of any channel at any corner of the skin: the unit of every tolerance but the
 // refinement's own, for that must be known beforehand.
 double largest_skin_irradiance(const ShadingMesh& shading);
