@@ -58,7 +58,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const gpu::Context context(options.gl);
   check_shaders(plan, context);
   const PreparedScene scene = prepare_scene(spec);
-  const SurfaceBuffers buffers(context, scene.shading);
+  const SurfaceBuffers buffers(context, scene.shading, scene.lights);
   const std::vector<PlannedTruth> planned = planned_truths(plan, buffers.has_uvs());
   const bool geodesic = std::any_of(planned.begin(), planned.end(), [](const PlannedTruth& truth) {
     return truth.target.geodesic && truth.not_computed.empty();

@@ -197,8 +197,9 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   const SkinMask transmitters = load_transmitter_mask(spec, scene.mesh.has_uvs());
   std::vector<Light> lights;
   for (const LightSpec& light : spec.lights) lights.push_back(light_of(spec, light));
-  const Lighting lighting(scene.mesh, lights, load_normal_map(spec, scene.mesh),
-                          {scene.albedo, spec.scene.albedo_exponent_before()});
+  const NormalMap normal_map = load_normal_map(spec, scene.mesh);
+  const SurfaceAlbedo albedo(scene.albedo, spec.scene.albedo_exponent_before());
+  const Lighting lighting(scene.mesh, lights, normal_map, albedo);
   if (!std::isfinite(lighting.largest_possible())) {
     throw_input_error({spec.file.string()},
                       "a point light lies on the mesh, where its irradiance has no bound");
@@ -206,6 +207,7 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   scene.shading = make_shading_mesh(scene.mesh, lighting, mask, refinement_of(spec));
   mark_transmitters(scene.shading, transmitters);
   scene.shading.residual = measure_residual(scene.shading, lighting, kResidualSamples, spec.truth.seed);
+  scene.lights = light_fields(scene.shading, scene.mesh, lights, normal_map, albedo);
   scene.largest_irradiance = largest_skin_irradiance(scene.shading);
   if (scene.shading.component_count == 0)
     throw_input_error(spec.scene.skin_mask_where, "the mask leaves no skin");

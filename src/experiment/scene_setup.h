@@ -3,8 +3,10 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "config/experiment_spec.h"
+#include "irradiance/light_fields.h"
 #include "irradiance/shading_mesh.h"
 #include "scene/camera.h"
 #include "scene/load_mesh.h"
@@ -20,6 +22,7 @@ struct PreparedScene {
   Mesh mesh;
   SourceLocation mesh_file;  // for messages: the file, or the built-in scene's name
   ShadingMesh shading;
+  std::vector<LightField> lights;   // of `shading`
   double largest_irradiance = 0.0;  // of the skin's corners: the unit of tolerances
   std::optional<UvReport> uvs;
   UvTexture albedo;  // linear RGB; empty where there is none

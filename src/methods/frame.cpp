@@ -52,6 +52,14 @@ double mean_mm_per_uv_unit_of(const ShadingMesh& shading) {
   return area_uv > 0.0 ? std::sqrt(area_mm2 / area_uv) : 0.0;
 }
 
+// Whether nothing is left but rounding of sums of double precision.
+bool is_dark(const CornerIrradiance& irradiance) {
+  return std::all_of(irradiance.begin(), irradiance.end(), [](const std::array<Vec3d, 3>& corners) {
+    return std::all_of(corners.begin(), corners.end(),
+                       [](const Vec3d& value) { return value.cwiseAbs().maxCoeff() < 1e-9; });
+  });
+}
+
 // The smallest depth interval that holds the mesh, with a margin; the part in front of the camera.
 std::pair<double, double> depth_range_mm(const ShadingMesh& shading, const Mat4d& view) {
   double nearest = std::numeric_limits<double>::infinity();
@@ -67,19 +75,46 @@ std::pair<double, double> depth_range_mm(const ShadingMesh& shading, const Mat4d
 
 }  // namespace
 
-SurfaceBuffers::SurfaceBuffers(const gpu::Context& context, const ShadingMesh& shading)
+SurfaceBuffers::SurfaceBuffers(const gpu::Context& context, const ShadingMesh& shading,
+                               const std::vector<LightField>& lights)
     : context_(context),
       vertex_count_(static_cast<int>(3 * shading.triangles.size())),
       has_uvs_(shading.has_uvs),
       mean_mm_per_uv_unit_(shading.has_uvs ? mean_mm_per_uv_unit_of(shading) : 0.0) {
   const std::vector<CornerVertex> vertices = corner_vertices(shading);
   const gpu::GlFunctions& gl = context.gl();
-  gl.GenVertexArrays(1, &vertex_array_);
-  gl.BindVertexArray(vertex_array_);
   gl.GenBuffers(1, &buffer_);
   gl.BindBuffer(GL_ARRAY_BUFFER, buffer_);
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(CornerVertex)),
                 vertices.data(), GL_STATIC_DRAW);
+  vertex_array_ = make_vertex_array();
+  for (const LightField& field : lights) add_part(light_view(shading, field.light), field.irradiance);
+  if (lights.empty()) {
+    add_part(std::nullopt, {});
+  } else if (const CornerIrradiance rest = rest_of_irradiance(shading, lights); !is_dark(rest)) {
+    add_part(std::nullopt, rest);
+  }
+  context.check("uploading the surface");
+}
+
+SurfaceBuffers::~SurfaceBuffers() {
+  const gpu::GlFunctions& gl = context_.gl();
+  for (const Part& part : parts_) {
+    if (part.irradiance == 0) continue;
+    gl.DeleteBuffers(1, &part.irradiance);
+    gl.DeleteVertexArrays(1, &part.vertex_array);
+  }
+  gl.DeleteBuffers(1, &buffer_);
+  gl.DeleteVertexArrays(1, &vertex_array_);
+}
+
+// All attributes out of the one buffer.
+unsigned SurfaceBuffers::make_vertex_array() const {
+  const gpu::GlFunctions& gl = context_.gl();
+  unsigned vertex_array = 0;
+  gl.GenVertexArrays(1, &vertex_array);
+  gl.BindVertexArray(vertex_array);
+  gl.BindBuffer(GL_ARRAY_BUFFER, buffer_);
   std::size_t offset = 0;
   unsigned attribute = 0;
   for (const int components : {3, 3, 3, 3, 2, 1, 1}) {
@@ -89,16 +124,35 @@ SurfaceBuffers::SurfaceBuffers(const gpu::Context& context, const ShadingMesh& s
     offset += static_cast<std::size_t>(components) * sizeof(float);
     ++attribute;
   }
-  context.check("uploading the surface");
+  return vertex_array;
 }
 
-SurfaceBuffers::~SurfaceBuffers() {
-  context_.gl().DeleteBuffers(1, &buffer_);
-  context_.gl().DeleteVertexArrays(1, &vertex_array_);
+void SurfaceBuffers::add_part(std::optional<LightView> light, const CornerIrradiance& irradiance) {
+  if (irradiance.empty()) {
+    parts_.push_back({std::move(light), vertex_array_, 0});
+    return;
+  }
+  std::vector<Vec3f> corners;
+  corners.reserve(3 * irradiance.size());
+  for (const std::array<Vec3d, 3>& triangle : irradiance) {
+    for (const Vec3d& value : triangle) corners.push_back(value.cast<float>());
+  }
+  const gpu::GlFunctions& gl = context_.gl();
+  Part part{std::move(light), make_vertex_array(), 0};
+  gl.GenBuffers(1, &part.irradiance);
+  gl.BindBuffer(GL_ARRAY_BUFFER, part.irradiance);
+  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(Vec3f)), corners.data(),
+                GL_STATIC_DRAW);
+  gl.VertexAttribPointer(3, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
+  parts_.push_back(std::move(part));
 }
 
-void SurfaceBuffers::draw() const {
-  context_.gl().BindVertexArray(vertex_array_);
+void SurfaceBuffers::draw() const { draw(vertex_array_); }
+
+void SurfaceBuffers::draw_part(std::size_t part) const { draw(parts_[part].vertex_array); }
+
+void SurfaceBuffers::draw(unsigned vertex_array) const {
+  context_.gl().BindVertexArray(vertex_array);
   context_.gl().DrawArrays(GL_TRIANGLES, 0, vertex_count_);
 }
 

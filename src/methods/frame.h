@@ -2,13 +2,16 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/image.h"
 #include "gpu/framebuffer.h"
 #include "gpu/program.h"
 #include "gpu/texture.h"
+#include "irradiance/light_fields.h"
 #include "irradiance/shading_mesh.h"
+#include "methods/light_view.h"
 #include "scene/camera.h"
 
 namespace truescatter {
@@ -16,22 +19,41 @@ namespace truescatter {
 // The shading mesh on the GPU, corner by corner (three vertices a triangle, none shared): attributes
 // 0 position (world, mm), 1 face normal, 2 interpolated normal, 3 irradiance, 4 uv, 5 skin (0 or 1),
 // 6 transmits (0 or 1).
+//
+// With the light fields of the mesh, its irradiance is there in parts too, which sum to it: one for each
+// field, and a last one of what these leave, if there is any. Without fields: that last one alone.
 class SurfaceBuffers {
  public:
-  SurfaceBuffers(const gpu::Context& context, const ShadingMesh& shading);
+  SurfaceBuffers(const gpu::Context& context, const ShadingMesh& shading,
+                 const std::vector<LightField>& lights = {});
   ~SurfaceBuffers();
   SurfaceBuffers(const SurfaceBuffers&) = delete;
   SurfaceBuffers& operator=(const SurfaceBuffers&) = delete;
 
   void draw() const;
+  std::size_t part_count() const { return parts_.size(); }
+  // Where the light of a part comes from; none: from more than one place, or from everywhere.
+  const std::optional<LightView>& part_light(std::size_t part) const { return parts_[part].light; }
+  // As draw(), with attribute 3 the part's irradiance.
+  void draw_part(std::size_t part) const;
   bool has_uvs() const { return has_uvs_; }
   // Square root of the skin's area in mm^2 over its area in UV: mm per UV unit, on average. 0 without UVs.
   double mean_mm_per_uv_unit() const { return mean_mm_per_uv_unit_; }
 
  private:
+  struct Part {
+    std::optional<LightView> light;
+    unsigned vertex_array;
+    unsigned irradiance;  // a buffer; 0: the whole irradiance
+  };
+  unsigned make_vertex_array() const;
+  void draw(unsigned vertex_array) const;
+  void add_part(std::optional<LightView> light, const CornerIrradiance& irradiance);
+
   const gpu::Context& context_;
   unsigned vertex_array_ = 0;
   unsigned buffer_ = 0;
+  std::vector<Part> parts_;
   int vertex_count_ = 0;
   bool has_uvs_ = false;
   double mean_mm_per_uv_unit_ = 0.0;

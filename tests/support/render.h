@@ -32,12 +32,13 @@ inline Camera camera_at(double distance_mm, double height_mm, int px) {
   return camera;
 }
 
-// A rendered view, on a context that all tests of a process share.
+// A rendered view, on a context that all tests of a process share. Without light fields no method knows where
+// light comes from.
 class Scene {
  public:
-  Scene(ShadingMesh shading, const Camera& camera)
+  Scene(ShadingMesh shading, const Camera& camera, const std::vector<LightField>& lights = {})
       : shading_(std::move(shading)),
-        buffers_(context(), shading_),
+        buffers_(context(), shading_, lights),
         frame_(render_frame(context(), buffers_, shading_, camera)),
         images_(read_frame(context(), frame_)) {}
 
