@@ -61,7 +61,7 @@
 // edge what is read lies up to a texel inwards along each axis: sqrt(2) times irradiance's largest change
 // along a texel's edge, for charts with square corners. Mirror: uvs are the mesh's, so the map is the same;
 // the reading rounds by 1e-6 of the map's width: 1e-5.
-SAMPLER(source);   // rgb: irradiance, or texels per mm along u and v; a: 1 where there is some
+SAMPLER(source);   // rgb: irradiance, or texels per mm along u and v; a: > 0 where there is some
 SAMPLER(stretch);  // rg: texels per mm
 uniform int axis;
 uniform float std_dev_mm;
@@ -115,7 +115,11 @@ void main() {
 #ifdef COVERAGE
     total = sum.a;
 #endif
+#ifdef BLURS_ALPHA
+    result = gain * sum / total;
+#else
     result = vec4(gain * sum.rgb / total, 1.0);
+#endif
   }
   WRITE_COUNTS;
 }

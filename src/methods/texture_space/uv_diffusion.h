@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "methods/method.h"
+#include "methods/screen_levels.h"
+
+namespace truescatter {
+
+// Two maps in texture space: a pass reads the one and writes the other.
+class MapPair {
+ public:
+  MapPair(const gpu::Context& context, int size, gpu::Format format, gpu::Filter filter)
+      : maps_{Target(context, size, size, format, filter), Target(context, size, size, format, filter)} {}
+
+  const gpu::Texture& current() const { return maps_[current_].texture; }
+  const Target& current_target() const { return maps_[current_]; }
+  const Target& next() const { return maps_[1 - current_]; }
+  void flip() { current_ = 1 - current_; }
+  Target take_current() { return std::move(maps_[current_]); }
+
+ private:
+  std::array<Target, 2> maps_;
+  std::size_t current_ = 0;
+};
+
+// The blurs of texture-space diffusion, level by level: see texture_space.frag. Its settings are `inputs`'.
+class UvDiffusion {
+ public:
+  // With `blurs_alpha` alpha is blurred with the irradiance, else it is 1 on what is blurred; either way it
+  // is above 0 where a map has something, and only there. Coverage, as a gutter, needs alpha for itself.
+  UvDiffusion(const MethodInputs& inputs, bool blurs_alpha);
+
+  // Draws the surface, laid out in texture space, into a cleared map.
+  using DrawSurface = std::function<void(Passes&, const Target&)>;
+  // What a level is to its user: its index among the profile's gaussian_levels.
+  using UseLevel = std::function<void(std::size_t)>;
+
+  // A map of its own, gutters filled.
+  Target make_map(Passes& passes, const DrawSurface& draw) const;
+
+  // Blurs what `draw` draws to every level in turn. current() is level i when after(i) is called; when
+  // before(i) is, the level before it, and the unblurred map for the first.
+  void run(Passes& passes, const DrawSurface& draw, const UseLevel& before, const UseLevel& after);
+
+  const gpu::Texture& current() const { return irradiance_.current(); }
+  // Texels per mm along u and v (rg); null where the setting is off, and the mean stands for it.
+  const gpu::Texture* stretch() const { return stretch_ ? &stretch_->current() : nullptr; }
+  double mean_texels_per_mm() const { return mean_texels_per_mm_; }
+  const std::vector<GaussianLevel>& levels() const { return levels_; }
+
+ private:
+  void find_nearest(const gpu::Context& context);
+  void draw_maps(Passes& passes, const DrawSurface& draw);
+  void draw_map(Passes& passes, const DrawSurface& draw, MapPair& map) const;
+  void blur(Passes& passes, MapPair& map, double std_dev_mm) const;
+
+  const SurfaceBuffers& surface_;
+  int size_;
+  bool has_stretch_map_;
+  bool blurs_stretch_;
+  bool first_is_irradiance_;
+  bool incremental_;
+  double gain_;
+  double mean_texels_per_mm_;
+  std::vector<GaussianLevel> levels_;
+  PassProgram uv_stretch_;
+  PassProgram fill_;
+  PassProgram blur_;
+  MapPair irradiance_;
+  std::optional<MapPair> stretch_;
+  std::optional<Target> nearest_;
+};
+
+// Adds a level, read at each pixel's uv and times its weight, to a result (gather.frag).
+class GatherPass {
+ public:
+  GatherPass(const gpu::Context& context, const Settings& settings);
+
+  void draw(Passes& passes, const Frame& frame, const gpu::Texture& level, const Vec3d& weight,
+            const Target& to) const;
+
+ private:
+  PassProgram program_;
+};
+
+// The defines of read_level.glsl.
+std::vector<std::string> reading_defines(const Settings& settings);
+
+// The settings of UvDiffusion and GatherPass.
+std::vector<SettingSpec> uv_diffusion_settings();
+
+}  // namespace truescatter
