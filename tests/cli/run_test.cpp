@@ -630,9 +630,7 @@ TEST_F(CliRun, SplitsLightByItsWayWhereAskedTo) {
 
 // A slab lit from behind: through it comes light, unless the mask leaves no transmitter.
 TEST_F(CliRun, LetsLightThroughTransmittersOnly) {
-  const std::string slab =
-      with(with(with(kTiny, "builtin:plane", "builtin:slab"), "[0.0, 0.5, 1.0]", "[0.0, 0.5, -1.0]"),
-           "\"none\"", "\"pscbf-transmit\"");
+  write_png(folder_.path() / "dark.png", Image(8, 8, 3, 0.0F));
   const auto difference = [&](const std::string& experiment) {
     const ProgramResult result = run(with(experiment, "size_mm = 20.0", "thickness_mm = 1.0"));
     EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -640,11 +638,21 @@ TEST_F(CliRun, LetsLightThroughTransmittersOnly) {
     return runs.at(0).at("metrics").at("bias").get<double>() -
            runs.at(1).at("metrics").at("bias").get<double>();
   };
-  EXPECT_GT(difference(slab), 0.1);
-  write_png(folder_.path() / "dark.png", Image(8, 8, 3, 0.0F));
-  EXPECT_EQ(
-      difference(with(slab, "[scene.parameters]", "transmitter_mask = \"dark.png\"\n[scene.parameters]")),
-      0.0);
+  const auto slab = [&](const std::string& local, const std::string& transmitting) {
+    return with(
+        with(with(with(kTiny, "builtin:plane", "builtin:slab"), "[0.0, 0.5, 1.0]", "[0.0, 0.5, -1.0]"),
+             "\"pscbf\"", "\"" + local + "\""),
+        "\"none\"", "\"" + transmitting + "\"");
+  };
+  for (const auto& [local, transmitting] :
+       {std::pair("pscbf", "pscbf-transmit"), std::pair("texture-space", "texture-space-transmit")}) {
+    const std::string experiment = slab(local, transmitting);
+    EXPECT_GT(difference(experiment), 0.1) << transmitting;
+    EXPECT_EQ(difference(with(experiment, "[scene.parameters]",
+                              "transmitter_mask = \"dark.png\"\n[scene.parameters]")),
+              0.0)
+        << transmitting;
+  }
 }
 
 TEST_F(CliRun, SwitchedOffGeodesicTruthsLeaveAReason) {

@@ -35,10 +35,11 @@ Pixels pixels_of(const Scene& scene) {
 }
 
 Passes::Counts counts_of(const Scene& scene, std::string_view name, const Profile& profile,
-                         const std::map<std::string, SettingValue>& given = {}) {
+                         const std::map<std::string, SettingValue>& given = {},
+                         const std::vector<LightField>& lights = {}) {
   const Method& method = find_method(name);
   const Settings settings(method.name, method.settings, given);
-  const SurfaceBuffers buffers(Scene::context(), scene.shading());
+  const SurfaceBuffers buffers(Scene::context(), scene.shading(), lights);
   const PreparedMethod prepared =
       method.prepare({Scene::context(), scene.frame(), buffers, 400.0, profile, settings});
   Passes passes(Scene::context());
@@ -113,6 +114,37 @@ TEST(Cost, TextureSpaceChargesUvByItsFormat) {
               16.0 * (pixels.all + fills) +
                   3.0 * (16.0 * blurs + (16.0 + 8.0 + 4.0 * 16.0) * pixels.skin + 16.0 * background));
   }
+}
+
+// The same square, lit from the front: no texel has a thickness, so its shadow map is not read for one, and
+// no level at an entry. Reads beyond texture-space's, which are above:
+//   entry.frag                        irradiance, position, uv (8 bytes), shadow map, stretch   4 + 4
+//   thickness.frag, each level        irradiance, uv, bilinear level                            1 + 1 + 4
+//   texture_space_transmit.frag, each entry, thickness (4 bytes); off the skin the entry alone  2
+//                                     off the skin one each
+// and passes: shadow_map.frag, entry.frag, and two for each of three levels. From behind, every texel reads
+// the shadow map and, bilinearly, the normal: 5; and every pixel its three levels: 4 each.
+TEST(Cost, TextureSpaceTransmitReadsItsMaps) {
+  const Scene scene = square(60.0, 80.0, 32);
+  const Pixels pixels = pixels_of(scene);
+  constexpr double kSize = 16.0;
+  const double background = pixels.all - pixels.skin;
+  const std::map<std::string, SettingValue> given = {{"texture_size", kSize}};
+  const Passes::Counts plain = counts_of(scene, "texture-space", spike_and_base(), given);
+  const auto counts_lit = [&](const Vec3d& direction) {
+    return counts_of(scene, "texture-space-transmit", spike_and_base(), given,
+                     {{test::lamp(direction, true), {}}});
+  };
+  const Passes::Counts front = counts_lit(Vec3d::UnitZ());
+  EXPECT_EQ(front.passes, plain.passes + 8);
+  EXPECT_EQ(front.texels_read - plain.texels_read,
+            (8.0 + 3.0 * (6.0 + 2.0)) * pixels.skin + (1.0 + 3.0 * 2.0) * background);
+  EXPECT_EQ(front.bytes_read - plain.bytes_read,
+            (16.0 * 7.0 + 8.0 + 3.0 * (5.0 * 16.0 + 8.0 + 16.0 + 4.0)) * pixels.skin +
+                16.0 * (1.0 + 3.0 * 2.0) * background);
+  const Passes::Counts behind = counts_lit(-Vec3d::UnitZ());
+  EXPECT_EQ(behind.passes, front.passes);
+  EXPECT_EQ(behind.texels_read - front.texels_read, 5.0 * kSize * kSize + 3.0 * 4.0 * pixels.skin);
 }
 
 }  // namespace

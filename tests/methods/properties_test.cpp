@@ -25,6 +25,11 @@ class EveryMethod : public testing::TestWithParam<std::size_t> {
 INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::Range<std::size_t>(0, all_methods().size()),
                          test_name);
 
+// Its light is all that the mesh has, and methods may follow it.
+Scene lit_scene(const Mesh& mesh, const Light& light, const Camera& camera) {
+  return {test::shade(mesh, light), camera, {{light, {}}}};
+}
+
 double largest_difference(const Image& a, const Image& b, const Image& mask, int margin) {
   double worst = 0.0;
   for (int y = margin; y < a.height() - margin; ++y) {
@@ -100,7 +105,7 @@ TEST_P(EveryMethod, KeepsConstantLightConstant) {
       for (Vec3d& n : corner) n = turn * n;
     }
     const Vec3d normal = turn * Vec3d::UnitZ();
-    const Scene scene(test::shade(plane, test::lamp(normal)), test::camera_at(600.0, 40.0, 128));
+    const Scene scene = lit_scene(plane, test::lamp(normal), test::camera_at(600.0, 40.0, 128));
     for (const Profile& profile : builtin_profiles()) {
       const Image result = scene.run(method(), profile);
       // A pixel's edge of 40 / 128 mm in the plane that faces the camera.
@@ -148,7 +153,7 @@ double largest_texel_mm(const Mesh& mesh, int texture_size) {
 TEST_P(EveryMethod, IsTheIdentityAsWidthsGoToZero) {
   // A cosine of light over a sphere, widths a thousandth of the skin's: 0.003 mm against pixels of 0.3 mm.
   const Mesh sphere = make_builtin("sphere");
-  const Scene scene(test::shade(sphere, test::lamp(Vec3d(0.5, 0.3, 1.0))), test::camera_at(400.0, 40.0, 128));
+  const Scene scene = lit_scene(sphere, test::lamp(Vec3d(0.5, 0.3, 1.0)), test::camera_at(400.0, 40.0, 128));
   constexpr int kMargin = 14;  // away from the silhouette's background
   constexpr double kMmPerPx = 40.0 / 128;
   const double step = largest_step(scene.images(), kMargin - 1);
@@ -185,8 +190,8 @@ Mesh mirrored(Mesh mesh) {
 TEST_P(EveryMethod, MapsAMirroredFrameToTheMirroredResult) {
   const Mesh mesh = make_builtin("tube");
   const Camera camera = test::camera_at(300.0, 50.0, 96);
-  const Scene scene(test::shade(mesh, test::lamp(Vec3d(0.9, 0.2, 0.5))), camera);
-  const Scene other(test::shade(mirrored(mesh), test::lamp(Vec3d(-0.9, 0.2, 0.5))), camera);
+  const Scene scene = lit_scene(mesh, test::lamp(Vec3d(0.9, 0.2, 0.5)), camera);
+  const Scene other = lit_scene(mirrored(mesh), test::lamp(Vec3d(-0.9, 0.2, 0.5)), camera);
   for (const Profile& profile : builtin_profiles()) {
     const Image result = scene.run(method(), profile);
     const Image reflected = other.run(method(), profile);
@@ -214,10 +219,11 @@ TEST_P(EveryMethod, GivesNumbersAtGrazingAnglesAndOnAnEmptyFrame) {
   for (auto& corner : plane.corner_normals) {
     for (Vec3d& n : corner) n = turn * n;
   }
-  const Scene grazing(test::shade(plane, test::lamp(Vec3d(0.0, 0.2, 1.0))), test::camera_at(300.0, 20.0, 64));
+  const Light light = test::lamp(Vec3d(0.0, 0.2, 1.0));
+  const Scene grazing = lit_scene(plane, light, test::camera_at(300.0, 20.0, 64));
   Camera away = test::camera_at(300.0, 20.0, 16);
   away.target_mm = Vec3d(0.0, 0.0, 600.0);
-  const Scene empty(test::shade(plane, test::lamp(Vec3d(0.0, 0.2, 1.0))), away);
+  const Scene empty = lit_scene(plane, light, away);
   for (const Scene* scene : {&grazing, &empty}) {
     for (const Profile& profile : builtin_profiles()) {
       const Image result = scene->run(method(), profile);
@@ -233,7 +239,7 @@ TEST_P(EveryMethod, CountsItsPassesAndReads) {
   const Profile& profile = builtin_profiles().front();
   const Mesh mesh = make_builtin("sphere");
   const ShadingMesh shading = test::shade(mesh, test::lamp(Vec3d::UnitZ()));
-  const SurfaceBuffers buffers(Scene::context(), shading);
+  const SurfaceBuffers buffers(Scene::context(), shading, {{test::lamp(Vec3d::UnitZ()), {}}});
   const PreparedMethod prepared =
       method().prepare({Scene::context(), scene.frame(), buffers, 400.0, profile, settings});
   Passes passes(Scene::context());

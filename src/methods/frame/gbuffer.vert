@@ -30,5 +30,9 @@ void main() {
   v_transmits = transmits;
   int corner = gl_VertexID % 3;
   v_barycentric = vec2(corner == 1, corner == 2);
+#ifdef UV_SPACE
+  gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0);
+#else
   gl_Position = projection * p;
+#endif
 }
