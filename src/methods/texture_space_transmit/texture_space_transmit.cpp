@@ -238,8 +238,8 @@ std::vector<SettingSpec> settings() {
   specs.push_back(words("normal_correction",
                         "of the way through the body to the thickness, where normals oppose", {"on", "off"}));
   specs.push_back({"blend_std_devs",
-                   "UV distance from entry to exit from which light counts in full; 0: always", 6.0, 0.0,
-                   100.0});
+                   "UV distance of entry and exit, in widths, from which light counts in full; 0: any", 6.0,
+                   0.0, 100.0});
   specs.push_back({"decay_per_mm", "thickness t is stored as exp(-decay t)", 0.2, 0.01, 1.0});
   return specs;
 }
