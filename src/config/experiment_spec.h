@@ -16,6 +16,12 @@ namespace truescatter {
 // An experiment as its file states it, every key checked for type and range. Names of methods, profiles and
 // built-in scenes are resolved by the modules that know them; `where` lets them name the line.
 
+// A copy of the scene's mesh, turned about its own +y axis, from +z towards +x, then moved.
+struct CharacterSpec {
+  Vec3d position_mm = Vec3d::Zero();
+  double rotation_deg = 0.0;
+};
+
 struct SceneSpec {
   std::string mesh;  // "builtin:NAME", or a file's path (relative to the experiment's file)
   SourceLocation mesh_where;
@@ -45,7 +51,8 @@ struct SceneSpec {
   double albedo_exponent_before() const {
     return texturing == "before" ? 1.0 : texturing == "mix" ? texturing_mix : 0.0;
   }
-  std::string obtain;  // where the data can be had; told when a file is missing
+  std::vector<CharacterSpec> characters;  // empty: one, where its file has it
+  std::string obtain;                     // where the data can be had; told when a file is missing
 };
 
 struct LightSpec {

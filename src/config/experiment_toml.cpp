@@ -24,6 +24,31 @@ void check_file_name(const TomlTable& table, const std::string& key, const std::
   if (!plain) table.fail(key, fmt::format("'{}' names files: letters, digits, '-' and '_' only", full_name));
 }
 
+constexpr std::size_t kMostCharacters = 64;
+
+std::vector<CharacterSpec> read_characters(TomlTable& scene) {
+  std::vector<CharacterSpec> characters;
+  for (TomlTable& table : scene.tables("character")) {
+    CharacterSpec character;
+    character.position_mm = table.vec3("position_mm");
+    if (!(character.position_mm.cwiseAbs().maxCoeff() <= 1e6))
+      table.fail("position_mm", "'scene.character.position_mm' must lie within 1e6 mm of the origin");
+    character.rotation_deg = table.number("rotation_deg", 0.0, -360.0, 360.0);
+    table.finish();
+    const auto same_place = [&](const CharacterSpec& other) {
+      return other.position_mm == character.position_mm && other.rotation_deg == character.rotation_deg;
+    };
+    if (std::any_of(characters.begin(), characters.end(), same_place))
+      table.fail("position_mm", "two characters stand at one place, turned alike");
+    characters.push_back(character);
+  }
+  if (scene.has("character") && (characters.empty() || characters.size() > kMostCharacters)) {
+    scene.fail("character", fmt::format("'scene.character' has {} entries: it must have 1 to {}",
+                                        characters.size(), kMostCharacters));
+  }
+  return characters;
+}
+
 SceneSpec read_scene(TomlTable table) {
   SceneSpec scene;
   scene.mesh = table.text("mesh");
@@ -57,6 +82,7 @@ SceneSpec read_scene(TomlTable table) {
   scene.texturing_mix = table.number("texturing_mix", scene.texturing_mix, 0.0, 1.0);
   if (scene.texturing != "mix" && table.has("texturing_mix"))
     table.fail("texturing_mix", "'scene.texturing_mix' needs 'scene.texturing = \"mix\"'");
+  scene.characters = read_characters(table);
   scene.obtain = table.text("obtain", "");
   if (scene.mesh.starts_with("builtin:")) {
     for (const char* key : {"unit_mm", "normals", "loop_subdivisions", "flip_v"}) {
@@ -704,6 +730,10 @@ std::string scene_toml(const ExperimentSpec& spec) {
   if (!scene.obtain.empty()) text += line("obtain", scene.obtain);
   if (!scene.parameters.empty()) text += "[scene.parameters]\n";
   for (const auto& [key, value] : scene.parameters) text += line(key, value);
+  for (const CharacterSpec& character : scene.characters) {
+    text += "[[scene.character]]\n" + line("position_mm", character.position_mm) +
+            line("rotation_deg", character.rotation_deg);
+  }
   return text;
 }
 

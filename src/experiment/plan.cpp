@@ -252,6 +252,7 @@ std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const Sc
   std::string text = fmt::format("{}: {} views x {} profiles x {} methods = {} runs\n", spec.name,
                                  spec.views.size(), plan.profiles.size(), plan.methods.size(), runs);
   text += fmt::format("scene {}{}\n", spec.scene.mesh, in_brackets(scene.parameters));
+  if (!spec.scene.characters.empty()) text += fmt::format("characters {}\n", spec.scene.characters.size());
   if (!spec.scene.skin_mask.empty()) text += fmt::format("skin mask {}\n", spec.scene.skin_mask);
   for (const PlannedMethod& m : plan.methods)
     text += fmt::format("method {}: {}{}\n", m.label, m.method->title, in_brackets(m.settings.values()));

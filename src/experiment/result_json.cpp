@@ -66,6 +66,7 @@ json scene_json(const ExperimentSpec& spec, const PreparedScene& scene) {
   std::size_t skin = 0;
   for (const ShadingTriangle& triangle : scene.shading.triangles) skin += triangle.skin ? 1 : 0;
   json object = {{"mesh", spec.scene.mesh},
+                 {"characters", scene.mesh.characters},
                  {"triangles", scene.mesh.triangle_count()},
                  {"area_mm2", surface_area_mm2(scene.mesh)},
                  {"shading_triangles", scene.shading.triangles.size()},

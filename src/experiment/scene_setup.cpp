@@ -10,6 +10,7 @@
 #include "core/progress.h"
 #include "experiment/mesh_checks.h"
 #include "scene/builtin.h"
+#include "scene/characters.h"
 
 namespace truescatter {
 namespace {
@@ -50,6 +51,13 @@ Mesh load_mesh_file(const ExperimentSpec& spec, int loop_subdivisions) {
 Mesh load_scene_mesh(const ExperimentSpec& spec) {
   if (is_builtin(spec.scene)) return with_builtin(spec.scene, make_builtin);
   return load_mesh_file(spec, spec.scene.loop_subdivisions);
+}
+
+std::vector<CharacterPlace> places_of(const SceneSpec& scene) {
+  std::vector<CharacterPlace> places;
+  for (const CharacterSpec& character : scene.characters)
+    places.push_back({character.position_mm, character.rotation_deg});
+  return places;
 }
 
 // The map of an environment, built in or from a file.
@@ -191,7 +199,8 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
   scene.mesh_file = {is_builtin(spec.scene)
                          ? spec.scene.mesh
                          : resolve_path(spec, spec.scene.mesh, spec.scene.mesh_where).string()};
-  if (scene.mesh.has_uvs()) scene.uvs = inspect_uvs(scene.mesh);
+  if (scene.mesh.has_uvs()) scene.uvs = inspect_uvs(scene.mesh);  // of one character: all have the same
+  if (!spec.scene.characters.empty()) scene.mesh = place_characters(scene.mesh, places_of(spec.scene));
   scene.albedo = load_albedo(spec, scene.mesh.has_uvs());
   const SkinMask mask = load_skin_mask(spec, scene.mesh.has_uvs());
   const SkinMask transmitters = load_transmitter_mask(spec, scene.mesh.has_uvs());

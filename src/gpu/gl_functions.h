@@ -53,6 +53,7 @@ namespace truescatter::gpu {
   X(decltype(&glPixelStorei), PixelStorei)                     \
   X(decltype(&glReadBuffer), ReadBuffer)                       \
   X(decltype(&glReadPixels), ReadPixels)                       \
+  X(decltype(&glScissor), Scissor)                             \
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                       \
   X(decltype(&glTexImage2D), TexImage2D)                       \
   X(decltype(&glTexParameteri), TexParameteri)                 \

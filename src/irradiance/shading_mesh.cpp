@@ -18,6 +18,20 @@ void label_skin(ShadingMesh& shading, const SkinMask& mask) {
   }
 }
 
+// Puts the triangles of each character together, otherwise in their order.
+void sort_by_character(ShadingMesh& shading, const Mesh& mesh) {
+  if (mesh.characters == 1) return;
+  const auto before = [&](const ShadingTriangle& a, const ShadingTriangle& b) {
+    return mesh.character_of(a.base) < mesh.character_of(b.base);
+  };
+  std::stable_sort(shading.triangles.begin(), shading.triangles.end(), before);
+  shading.character_starts.clear();
+  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
+    if (t == 0 || before(shading.triangles[t - 1], shading.triangles[t]))
+      shading.character_starts.push_back(t);
+  }
+}
+
 void label_components(ShadingMesh& shading) {
   const std::vector<int> components = truescatter::label_components(
       shading.triangles.size(), [&](std::size_t t) { return shading.triangles[t].vertices; },
@@ -69,6 +83,7 @@ ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const 
   ShadingMesh shading;
   shading.has_uvs = mesh.has_uvs();
   refine(shading, mesh, lighting, mask, settings);
+  sort_by_character(shading, mesh);
   if (lighting.has_maps()) apply_maps(shading, lighting);
   label_skin(shading, mask);
   label_components(shading);

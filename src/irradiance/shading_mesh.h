@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/vec.h"
@@ -38,10 +39,17 @@ struct ShadingResidual {
 struct ShadingMesh {
   std::vector<Vec3d> positions_mm;
   std::vector<ShadingTriangle> triangles;
+  std::vector<std::size_t> character_starts = {
+      0};  // each character's first triangle; they lie one after the other
   bool has_uvs = false;
   int component_count = 0;
   ShadingResidual residual;
 
+  std::span<const ShadingTriangle> character_triangles(std::size_t character) const {
+    const std::size_t end =
+        character + 1 < character_starts.size() ? character_starts[character + 1] : triangles.size();
+    return std::span(triangles).subspan(character_starts[character], end - character_starts[character]);
+  }
   const Vec3d& corner(const ShadingTriangle& triangle, std::size_t c) const {
     return positions_mm[static_cast<std::size_t>(triangle.vertices[c])];
   }

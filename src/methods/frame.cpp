@@ -18,13 +18,18 @@ struct CornerVertex {
   Vec2f uv;
   float skin;
   float transmits;
+  float character;
 };
-static_assert(sizeof(CornerVertex) == 16 * sizeof(float));
+static_assert(sizeof(CornerVertex) == 17 * sizeof(float));
 
 std::vector<CornerVertex> corner_vertices(const ShadingMesh& shading) {
   std::vector<CornerVertex> vertices;
   vertices.reserve(3 * shading.triangles.size());
+  std::size_t character = 0;  // from 1
   for (const ShadingTriangle& triangle : shading.triangles) {
+    while (character < shading.character_starts.size() &&
+           shading.character_starts[character] == vertices.size() / 3)
+      ++character;
     const Vec3d a = shading.corner(triangle, 0);
     const Vec3d cross = (shading.corner(triangle, 1) - a).cross(shading.corner(triangle, 2) - a);
     const Vec3f face_normal = cross.stableNormalized().cast<float>();
@@ -32,10 +37,17 @@ std::vector<CornerVertex> corner_vertices(const ShadingMesh& shading) {
       vertices.push_back({shading.corner(triangle, c).cast<float>(), face_normal,
                           triangle.normals[c].cast<float>(), triangle.irradiance[c].cast<float>(),
                           triangle.uvs[c].cast<float>(), triangle.skin ? 1.0F : 0.0F,
-                          triangle.transmits ? 1.0F : 0.0F});
+                          triangle.transmits ? 1.0F : 0.0F, static_cast<float>(character)});
     }
   }
   return vertices;
+}
+
+std::vector<int> first_vertices_of(const ShadingMesh& shading) {
+  std::vector<int> first;
+  for (const std::size_t start : shading.character_starts) first.push_back(static_cast<int>(3 * start));
+  first.push_back(static_cast<int>(3 * shading.triangles.size()));
+  return first;
 }
 
 double mean_mm_per_uv_unit_of(const ShadingMesh& shading) {
@@ -78,7 +90,7 @@ std::pair<double, double> depth_range_mm(const ShadingMesh& shading, const Mat4d
 SurfaceBuffers::SurfaceBuffers(const gpu::Context& context, const ShadingMesh& shading,
                                const std::vector<LightField>& lights)
     : context_(context),
-      vertex_count_(static_cast<int>(3 * shading.triangles.size())),
+      first_vertices_(first_vertices_of(shading)),
       has_uvs_(shading.has_uvs),
       mean_mm_per_uv_unit_(shading.has_uvs ? mean_mm_per_uv_unit_of(shading) : 0.0) {
   const std::vector<CornerVertex> vertices = corner_vertices(shading);
@@ -88,11 +100,15 @@ SurfaceBuffers::SurfaceBuffers(const gpu::Context& context, const ShadingMesh& s
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(CornerVertex)),
                 vertices.data(), GL_STATIC_DRAW);
   vertex_array_ = make_vertex_array();
-  for (const LightField& field : lights) add_part(light_view(shading, field.light), field.irradiance);
+  for (const LightField& field : lights) {
+    std::vector<LightView> views;
+    for (std::size_t i = 0; i < character_count(); ++i) views.push_back(light_view(shading, i, field.light));
+    add_part(std::move(views), field.irradiance);
+  }
   if (lights.empty()) {
-    add_part(std::nullopt, {});
+    add_part({}, {});
   } else if (const CornerIrradiance rest = rest_of_irradiance(shading, lights); !is_dark(rest)) {
-    add_part(std::nullopt, rest);
+    add_part({}, rest);
   }
   context.check("uploading the surface");
 }
@@ -117,7 +133,7 @@ unsigned SurfaceBuffers::make_vertex_array() const {
   gl.BindBuffer(GL_ARRAY_BUFFER, buffer_);
   std::size_t offset = 0;
   unsigned attribute = 0;
-  for (const int components : {3, 3, 3, 3, 2, 1, 1}) {
+  for (const int components : {3, 3, 3, 3, 2, 1, 1, 1}) {
     gl.EnableVertexAttribArray(attribute);
     gl.VertexAttribPointer(attribute, components, GL_FLOAT, GL_FALSE, sizeof(CornerVertex),
                            reinterpret_cast<const void*>(offset));
@@ -127,9 +143,9 @@ unsigned SurfaceBuffers::make_vertex_array() const {
   return vertex_array;
 }
 
-void SurfaceBuffers::add_part(std::optional<LightView> light, const CornerIrradiance& irradiance) {
+void SurfaceBuffers::add_part(std::vector<LightView> lights, const CornerIrradiance& irradiance) {
   if (irradiance.empty()) {
-    parts_.push_back({std::move(light), vertex_array_, 0});
+    parts_.push_back({std::move(lights), vertex_array_, 0});
     return;
   }
   std::vector<Vec3f> corners;
@@ -138,7 +154,7 @@ void SurfaceBuffers::add_part(std::optional<LightView> light, const CornerIrradi
     for (const Vec3d& value : triangle) corners.push_back(value.cast<float>());
   }
   const gpu::GlFunctions& gl = context_.gl();
-  Part part{std::move(light), make_vertex_array(), 0};
+  Part part{std::move(lights), make_vertex_array(), 0};
   gl.GenBuffers(1, &part.irradiance);
   gl.BindBuffer(GL_ARRAY_BUFFER, part.irradiance);
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(Vec3f)), corners.data(),
@@ -147,13 +163,21 @@ void SurfaceBuffers::add_part(std::optional<LightView> light, const CornerIrradi
   parts_.push_back(std::move(part));
 }
 
-void SurfaceBuffers::draw() const { draw(vertex_array_); }
+void SurfaceBuffers::draw() const {
+  context_.gl().BindVertexArray(vertex_array_);
+  context_.gl().DrawArrays(GL_TRIANGLES, 0, first_vertices_.back());
+}
 
-void SurfaceBuffers::draw_part(std::size_t part) const { draw(parts_[part].vertex_array); }
+void SurfaceBuffers::draw_character(std::size_t character) const { draw(vertex_array_, character); }
 
-void SurfaceBuffers::draw(unsigned vertex_array) const {
+void SurfaceBuffers::draw_part(std::size_t part, std::size_t character) const {
+  draw(parts_[part].vertex_array, character);
+}
+
+void SurfaceBuffers::draw(unsigned vertex_array, std::size_t character) const {
+  const int first = first_vertices_[character];
   context_.gl().BindVertexArray(vertex_array);
-  context_.gl().DrawArrays(GL_TRIANGLES, 0, vertex_count_);
+  context_.gl().DrawArrays(GL_TRIANGLES, first, first_vertices_[character + 1] - first);
 }
 
 Frame render_frame(const gpu::Context& context, const SurfaceBuffers& surface, const ShadingMesh& shading,
@@ -174,10 +198,13 @@ Frame render_frame(const gpu::Context& context, const SurfaceBuffers& surface, c
               gpu::Texture(context, w, h, gpu::Format::rg32f),
               gpu::Texture(context, w, h, gpu::Format::rgba32ui)};
   const gpu::Texture depth(context, w, h, gpu::Format::depth32f);
-  const gpu::Framebuffer target(
-      context,
-      {&frame.position, &frame.face_normal, &frame.normal, &frame.irradiance, &frame.uv, &frame.surface_id},
-      &depth);
+  std::vector<const gpu::Texture*> layers = {&frame.position,   &frame.face_normal, &frame.normal,
+                                             &frame.irradiance, &frame.uv,          &frame.surface_id};
+  if (surface.character_count() > 1) {
+    frame.character = gpu::Texture(context, w, h, gpu::Format::r32f);
+    layers.push_back(&frame.character);
+  }
+  const gpu::Framebuffer target(context, layers, &depth);
   const gpu::Program program(context, {methods::shader_file("frame/gbuffer.vert")},
                              {methods::shader_file("frame/gbuffer.frag")});
   target.clear();

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "core/image.h"
@@ -18,7 +17,7 @@ namespace truescatter {
 
 // The shading mesh on the GPU, corner by corner (three vertices a triangle, none shared): attributes
 // 0 position (world, mm), 1 face normal, 2 interpolated normal, 3 irradiance, 4 uv, 5 skin (0 or 1),
-// 6 transmits (0 or 1).
+// 6 transmits (0 or 1), 7 the character's number, from 1.
 //
 // With the light fields of the mesh, its irradiance is there in parts too, which sum to it: one for each
 // field, and a last one of what these leave, if there is any. Without fields: that last one alone.
@@ -31,30 +30,36 @@ class SurfaceBuffers {
   SurfaceBuffers& operator=(const SurfaceBuffers&) = delete;
 
   void draw() const;
+  // A scene's characters share one UV map: what lays them out in it draws one at a time (from 0).
+  void draw_character(std::size_t character) const;
+  std::size_t character_count() const { return first_vertices_.size() - 1; }
   std::size_t part_count() const { return parts_.size(); }
-  // Where the light of a part comes from; none: from more than one place, or from everywhere.
-  const std::optional<LightView>& part_light(std::size_t part) const { return parts_[part].light; }
-  // As draw(), with attribute 3 the part's irradiance.
-  void draw_part(std::size_t part) const;
+  // Where the light of a part comes from, as it sees a character alone; null: from more than one place, or
+  // from everywhere.
+  const LightView* part_light(std::size_t part, std::size_t character) const {
+    return parts_[part].lights.empty() ? nullptr : &parts_[part].lights[character];
+  }
+  // As draw_character(), with attribute 3 the part's irradiance.
+  void draw_part(std::size_t part, std::size_t character) const;
   bool has_uvs() const { return has_uvs_; }
   // Square root of the skin's area in mm^2 over its area in UV: mm per UV unit, on average. 0 without UVs.
   double mean_mm_per_uv_unit() const { return mean_mm_per_uv_unit_; }
 
  private:
   struct Part {
-    std::optional<LightView> light;
+    std::vector<LightView> lights;  // one as each character is seen
     unsigned vertex_array;
     unsigned irradiance;  // a buffer; 0: the whole irradiance
   };
   unsigned make_vertex_array() const;
-  void draw(unsigned vertex_array) const;
-  void add_part(std::optional<LightView> light, const CornerIrradiance& irradiance);
+  void draw(unsigned vertex_array, std::size_t character) const;
+  void add_part(std::vector<LightView> lights, const CornerIrradiance& irradiance);
 
   const gpu::Context& context_;
   unsigned vertex_array_ = 0;
   unsigned buffer_ = 0;
   std::vector<Part> parts_;
-  int vertex_count_ = 0;
+  std::vector<int> first_vertices_;  // of each character, and the end
   bool has_uvs_ = false;
   double mean_mm_per_uv_unit_ = 0.0;
 };
@@ -71,6 +76,8 @@ struct Frame {
   gpu::Texture irradiance;   // rgb: I; a: 1 on skin
   gpu::Texture uv;           // rg
   gpu::Texture surface_id;   // r: shading triangle + 1 (0: nothing), g, b: barycentrics 1 and 2 as float bits
+  // r: the character's number from 1 on skin, 0 elsewhere; not valid in a scene of one character.
+  gpu::Texture character = {};
 };
 
 Frame render_frame(const gpu::Context& context, const SurfaceBuffers& surface, const ShadingMesh& shading,

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace truescatter {
 namespace {
@@ -24,10 +25,18 @@ Mat4d looking_along(const Vec3d& back, const Vec3d& eye_mm) {
   return m;
 }
 
-// Half the size of the box about the origin that holds the mesh in this view space, with a margin.
-Vec3d half_extent_mm(const ShadingMesh& shading, const Mat4d& view) {
+std::vector<Vec3d> corners_mm(const ShadingMesh& shading, std::size_t character) {
+  std::vector<Vec3d> corners;
+  for (const ShadingTriangle& triangle : shading.character_triangles(character)) {
+    for (std::size_t c = 0; c < 3; ++c) corners.push_back(shading.corner(triangle, c));
+  }
+  return corners;
+}
+
+// Half the size of the box about the origin that holds the points in this view space, with a margin.
+Vec3d half_extent_mm(const std::vector<Vec3d>& points_mm, const Mat4d& view) {
   Vec3d half = Vec3d::Constant(1e-3);
-  for (const Vec3d& p : shading.positions_mm)
+  for (const Vec3d& p : points_mm)
     half = half.cwiseMax((view.block<3, 3>(0, 0) * p + view.block<3, 1>(0, 3)).cwiseAbs());
   return kMargin * half;
 }
@@ -36,12 +45,12 @@ Mat4d parallel_projection(const Vec3d& half_mm) {
   return Vec4d(1.0 / half_mm.x(), 1.0 / half_mm.y(), -1.0 / half_mm.z(), 1.0).asDiagonal();
 }
 
-// The narrowest frustum about -z that holds the mesh, but for what lies beside or behind the origin.
-Mat4d perspective_projection(const ShadingMesh& shading, const Mat4d& view) {
+// The narrowest frustum about -z that holds the points, but for what lies beside or behind the origin.
+Mat4d perspective_projection(const std::vector<Vec3d>& points_mm, const Mat4d& view) {
   Vec2d tangent = Vec2d::Constant(1e-3);
   double nearest_mm = std::numeric_limits<double>::infinity();
   double farthest_mm = 0.0;
-  for (const Vec3d& p : shading.positions_mm) {
+  for (const Vec3d& p : points_mm) {
     const Vec3d at = view.block<3, 3>(0, 0) * p + view.block<3, 1>(0, 3);
     farthest_mm = std::max(farthest_mm, at.norm());
     nearest_mm = std::min(nearest_mm, -at.z());
@@ -63,19 +72,20 @@ Mat4d perspective_projection(const ShadingMesh& shading, const Mat4d& view) {
 
 }  // namespace
 
-LightView light_view(const ShadingMesh& shading, const Light& light) {
-  assert(light.kind != LightKind::environment && !shading.positions_mm.empty());
+LightView light_view(const ShadingMesh& shading, std::size_t character, const Light& light) {
+  const std::vector<Vec3d> points_mm = corners_mm(shading, character);
+  assert(light.kind != LightKind::environment && !points_mm.empty());
   Eigen::AlignedBox3d box;
-  for (const Vec3d& p : shading.positions_mm) box.extend(p);
+  for (const Vec3d& p : points_mm) box.extend(p);
   const Vec3d middle_mm = box.center();
   if (light.kind == LightKind::directional) {
     const Mat4d view = looking_along(light.direction, middle_mm);
-    return {view, parallel_projection(half_extent_mm(shading, view)), false};
+    return {view, parallel_projection(half_extent_mm(points_mm, view)), false};
   }
   const Vec3d away = light.position_mm - middle_mm;
   const Vec3d back = away.norm() > 0.0 ? Vec3d(away.normalized()) : Vec3d(Vec3d::UnitZ());
   const Mat4d view = looking_along(back, light.position_mm);
-  return {view, perspective_projection(shading, view), true};
+  return {view, perspective_projection(points_mm, view), true};
 }
 
 }  // namespace truescatter

@@ -53,9 +53,17 @@ PassProgram::PassProgram(const gpu::Context& context, std::string_view vertex, s
                          const std::vector<std::string>& defines)
     : PassProgram(of_pieces(context, vertex, {std::string(fragment)}, defines)) {}
 
-void Passes::draw(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms,
-                  bool add) {
-  run(program, target, set_uniforms, add, false, [&] { full_screen_.draw(); });
+void Passes::draw(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms, bool add,
+                  const PixelBox* within) {
+  const gpu::GlFunctions& gl = context_.gl();
+  run(program, target, set_uniforms, add, false, [&] {
+    if (within != nullptr) {
+      gl.Enable(GL_SCISSOR_TEST);
+      gl.Scissor(within->left, within->bottom, within->width, within->height);
+    }
+    full_screen_.draw();
+    if (within != nullptr) gl.Disable(GL_SCISSOR_TEST);
+  });
 }
 
 void Passes::draw_geometry(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms,

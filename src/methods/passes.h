@@ -56,6 +56,14 @@ struct PassProgram {
       : plain(std::move(timed)), counting(std::move(counted)) {}
 };
 
+// A rectangle of pixels of a target; its bottom row is OpenGL's lowest.
+struct PixelBox {
+  int left = 0;
+  int bottom = 0;
+  int width = 0;
+  int height = 0;
+};
+
 // How a method draws: keeps count of its passes and, when asked to, of its texture reads.
 class Passes {
  public:
@@ -63,9 +71,10 @@ class Passes {
 
   using SetUniforms = std::function<void(const gpu::Program&)>;
 
-  // A full-screen pass into `target`; `add` blends onto what is there instead of replacing it.
+  // A full-screen pass into `target`; `add` blends onto what is there instead of replacing it. Pixels outside
+  // `within` (null: none) are left as they are.
   void draw(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms,
-            bool add = false);
+            bool add = false, const PixelBox* within = nullptr);
   // The same with the caller's geometry, into a cleared target.
   void draw_geometry(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms,
                      const std::function<void()>& geometry);

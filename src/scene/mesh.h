@@ -21,9 +21,13 @@ struct Mesh {
   std::vector<std::array<int, 3>> triangles;                    // counter-clockwise seen from outside
   std::vector<std::array<Vec3d, 3>> corner_normals;             // unit length, one per triangle corner
   std::optional<std::vector<std::array<Vec2d, 3>>> corner_uvs;  // v up: (0, 0) is the image's bottom left
+  // How many characters it holds: copies of one mesh, of as many triangles each, one after the other. They
+  // share no vertex, even where their positions coincide, and all have the same UVs.
+  std::size_t characters = 1;
 
   std::size_t triangle_count() const { return triangles.size(); }
   bool has_uvs() const { return corner_uvs.has_value(); }
+  std::size_t character_of(std::size_t triangle) const { return triangle / (triangles.size() / characters); }
   const Vec3d& corner(std::size_t triangle, int c) const {
     return positions_mm[static_cast<std::size_t>(triangles[triangle][static_cast<std::size_t>(c)])];
   }

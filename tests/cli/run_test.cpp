@@ -63,6 +63,32 @@ TEST_F(CliRun, AnEnvironmentGivesIrradiance) {
   }
 }
 
+// Three squares in a row, two of them in view: each is a surface of its own, whose light is even, so that
+// nothing but a leak from one to the other, or to where there is none, could make an error.
+TEST_F(CliRun, ASceneHoldsSeveralCharacters) {
+  const std::string crowd =
+      with(with(kTiny, "[[light]]",
+                "[[scene.character]]\nposition_mm = [-6, 0, 0]\n"
+                "[[scene.character]]\nposition_mm = [14.5, 0, -1]\n"
+                "[[scene.character]]\nposition_mm = [300, 0, 0]\nrotation_deg = 90\n[[light]]"),
+           "[timing]", "[[method]]\nname = \"texture-space\"\n[timing]");
+  const ProgramResult dry = run(crowd, {"--dry-run"});
+  ASSERT_EQ(dry.exit_code, 0) << dry.err;
+  EXPECT_TRUE(contains(dry.out, "characters 3\n")) << dry.out;
+  const ProgramResult result = run(crowd);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  EXPECT_EQ(results.at("scene").at("characters"), 3);
+  EXPECT_EQ(results.at("scene").at("skin_components"), 3);
+  EXPECT_EQ(results.at("scene").at("triangles").get<int>() % 3, 0);
+  const Json& run = results.at("runs").back();
+  EXPECT_EQ(run.at("method"), "texture-space");
+  // One Gaussian of three variances: 13 passes for each of the two characters in view, after the first.
+  EXPECT_EQ(run.at("cost").at("passes"), 1 + 2 * 13);
+  EXPECT_LT(run.at("metrics").at("max").get<double>(), 2e-4);
+  EXPECT_LT(run.at("own_target").at("metrics").at("max").get<double>(), 2e-4);
+}
+
 // Left half red of 188 of 255, about 0.5 in linear light, right half white: it shows in the pictures of the
 // results, and in nothing else.
 TEST_F(CliRun, AnAlbedoShowsInPicturesOnly) {

@@ -530,6 +530,36 @@ TEST_F(ExperimentSpecTest, PathsAreRelativeToTheExperiment) {
   EXPECT_EQ(resolve_path(spec, "${TRUESCATTER_TEST_FOLDER}/a.obj", {}), folder_.path() / "a.obj");
 }
 
+TEST_F(ExperimentSpecTest, CharactersSurviveResolving) {
+  EXPECT_TRUE(read(kMinimal).scene.characters.empty());
+  const ExperimentSpec spec = read(kMinimal +
+                                   "\n[[scene.character]]\nposition_mm = [1, 2, "
+                                   "3]\n[[scene.character]]\nposition_mm = [1, 2, 3]\nrotation_deg = -0.1\n");
+  const ExperimentSpec again = read(to_toml(spec));
+  for (const ExperimentSpec& read : {spec, again}) {
+    ASSERT_EQ(read.scene.characters.size(), 2U);
+    EXPECT_EQ(read.scene.characters[0].position_mm, Vec3d(1.0, 2.0, 3.0));
+    EXPECT_EQ(read.scene.characters[0].rotation_deg, 0.0);
+    EXPECT_EQ(read.scene.characters[1].rotation_deg, -0.1);
+  }
+}
+
+TEST_F(ExperimentSpecTest, ACrowdHasItsLimit) {
+  const auto crowd = [&](int characters) {
+    std::string text = kMinimal;
+    for (int i = 0; i < characters; ++i)
+      text += fmt::format("\n[[scene.character]]\nposition_mm = [{}, 0, 0]\n", i);
+    return text;
+  };
+  EXPECT_EQ(read(crowd(64)).scene.characters.size(), 64U);
+  const auto error = error_of([&] { read(crowd(65)); });
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->kind(), ErrorKind::input);
+  EXPECT_NE(std::string(error->what()).find("'scene.character' has 65 entries: it must have 1 to 64"),
+            std::string::npos)
+      << error->what();
+}
+
 TEST_F(ExperimentSpecTest, AMissingFileTellsWhereToObtainIt) {
   ExperimentSpec spec = read(kMinimal);
   spec.scene.obtain = "Ask the librarian.";

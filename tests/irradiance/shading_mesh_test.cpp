@@ -6,6 +6,7 @@
 #include <map>
 
 #include "scene/builtin.h"
+#include "scene/characters.h"
 
 namespace truescatter {
 namespace {
@@ -248,6 +249,35 @@ TEST(SkinMask, IsSkinFromOneHalfOn) {
   EXPECT_FALSE(mask.is_skin(Vec2d(0.5 + 1e-9, 0.5)));
   EXPECT_TRUE(SkinMask().everywhere());
   EXPECT_TRUE(SkinMask().is_skin(Vec2d(0.1, 0.1)));
+}
+
+// Two squares, one above the other; the upper one shades the lower one from x = -5 on.
+TEST(ShadingMesh, CharactersCastShadowsOntoOneAnotherAndLieOneAfterTheOther) {
+  const Mesh square = make_builtin("plane", {{"size_mm", 20.0}, {"edge_mm", 5.0}});
+  const std::vector<CharacterPlace> places = {{Vec3d(0.0, 0.0, -10.0)}, {Vec3d(5.0, 0.0, 10.0)}};
+  const Mesh two = place_characters(square, places);
+  const ShadingMesh shading = shade(two, lamp(Vec3d::UnitZ()));
+  ASSERT_EQ(shading.character_starts.size(), 2U);
+  EXPECT_EQ(shading.character_starts[0], 0U);
+  EXPECT_EQ(shading.component_count, 2);
+  // Refinement to the shadow's edge splits the lower square alone.
+  EXPECT_EQ(shading.triangles.size() - shading.character_starts[1], square.triangle_count());
+  EXPECT_GT(shading.character_starts[1], square.triangle_count());
+  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
+    const ShadingTriangle& triangle = shading.triangles[t];
+    const bool upper = t >= shading.character_starts[1];
+    EXPECT_EQ(two.character_of(triangle.base), upper ? 1U : 0U);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double x = shading.corner(triangle, c).x();
+      // The shadow begins at x = -5; the refinement's floor of 0.4 mm is where it may not be told. A ray from
+      // the edges at y = +-10 meets the upper square's edge.
+      if (upper || x < -5.4) {
+        EXPECT_EQ(triangle.irradiance[c], Vec3d::Ones());
+      } else if (x > -4.6 && std::abs(shading.corner(triangle, c).y()) < 10.0) {
+        EXPECT_EQ(triangle.irradiance[c], Vec3d::Zero());
+      }
+    }
+  }
 }
 
 }  // namespace

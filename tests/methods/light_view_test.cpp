@@ -31,7 +31,7 @@ TEST(LightView, DirectionalLightSeesTheWholeMeshAndTravelsAlongMinusZ) {
   for (const Vec3d& direction :
        {Vec3d(0.0, 0.0, 1.0), Vec3d(0.0, 1.0, 0.0), Vec3d(0.0, -1.0, 0.0), Vec3d(-0.6, 0.3, -0.5)}) {
     const Light light = test::lamp(direction);
-    const LightView view = light_view(shading, light);
+    const LightView view = light_view(shading, 0, light);
     EXPECT_FALSE(view.point);
     expect_rigid(view.view);
     EXPECT_LT((view.view.block<3, 3>(0, 0) * light.direction - Vec3d::UnitZ()).norm(), 1e-12);
@@ -46,7 +46,7 @@ TEST(LightView, PointLightSeesTheWholeMeshFromItsPlace) {
   light.kind = LightKind::point;
   for (const Vec3d& position : {Vec3d(300.0, 50.0, -200.0), Vec3d(0.0, 26.0, 0.0)}) {
     light.position_mm = position;
-    const LightView view = light_view(shading, light);
+    const LightView view = light_view(shading, 0, light);
     EXPECT_TRUE(view.point);
     expect_rigid(view.view);
     EXPECT_LT((view.view * position.homogeneous()).head<3>().norm(), 1e-9);
@@ -55,7 +55,7 @@ TEST(LightView, PointLightSeesTheWholeMeshFromItsPlace) {
   }
   // In the middle of it, where nothing is in front of all the mesh.
   light.position_mm = Vec3d::Zero();
-  const LightView inside = light_view(shading, light);
+  const LightView inside = light_view(shading, 0, light);
   EXPECT_TRUE(inside.view.allFinite() && inside.projection.allFinite());
 }
 

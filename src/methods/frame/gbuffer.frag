@@ -4,6 +4,7 @@ in vec3 v_normal;
 in vec3 v_irradiance;
 in vec2 v_uv;
 flat in float v_skin;
+flat in float v_character;
 in vec2 v_barycentric;
 
 layout(location = 0) out vec4 position;
@@ -12,6 +13,7 @@ layout(location = 2) out vec4 normal;
 layout(location = 3) out vec4 irradiance;
 layout(location = 4) out vec2 uv;
 layout(location = 5) out uvec4 surface_id;
+layout(location = 6) out float character;
 
 void main() {
   position = vec4(v_position_mm, 1.0);
@@ -19,5 +21,6 @@ void main() {
   normal = vec4(normalize(v_normal), 0.0);
   irradiance = vec4(v_irradiance, v_skin);
   uv = v_uv;
+  character = v_skin * v_character;
   surface_id = uvec4(gl_PrimitiveID + 1, floatBitsToUint(v_barycentric.x), floatBitsToUint(v_barycentric.y), 0u);
 }

@@ -6,6 +6,7 @@ layout(location = 3) in vec3 irradiance;
 layout(location = 4) in vec2 uv;
 layout(location = 5) in float skin;
 layout(location = 6) in float transmits;
+layout(location = 7) in float character;
 
 uniform mat4 view;
 uniform mat4 projection;
@@ -17,6 +18,7 @@ out vec3 v_irradiance;
 out vec2 v_uv;
 flat out float v_skin;
 flat out float v_transmits;
+flat out float v_character;
 out vec2 v_barycentric;
 
 void main() {
@@ -28,6 +30,7 @@ void main() {
   v_uv = uv;
   v_skin = skin;
   v_transmits = transmits;
+  v_character = character;
   int corner = gl_VertexID % 3;
   v_barycentric = vec2(corner == 1, corner == 2);
 #ifdef UV_SPACE

@@ -22,20 +22,23 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const auto state = std::make_shared<State>(
       State{UvDiffusion(inputs, false), DeltaPass(context),
             PassProgram(context, "texture_space/uv_irradiance.vert", "texture_space/uv_irradiance.frag", {}),
-            GatherPass(context, inputs.settings),
+            GatherPass(inputs),
             Target(context, frame.camera.width_px, frame.camera.height_px, gpu::Format::rgba32f)});
   const auto render = [state, &frame, &profile, &surface](Passes& passes) {
     state->first.draw(passes, frame, profile.delta_weight, state->result);
-    const auto draw_irradiance = [&](Passes& to, const Target& map) {
-      to.draw_geometry(
-          state->uv_irradiance, map, [](const gpu::Program&) {}, [&] { surface.draw(); });
-    };
-    const auto gather = [&](std::size_t i) {
-      state->gather.draw(passes, frame, state->diffusion.current(), state->diffusion.levels()[i].weight,
-                         state->result);
-    };
-    state->diffusion.run(
-        passes, draw_irradiance, [](std::size_t) {}, gather);
+    for (const SeenCharacter& character : state->diffusion.characters()) {
+      const auto draw_irradiance = [&](Passes& to, const Target& map) {
+        to.draw_geometry(
+            state->uv_irradiance, map, [](const gpu::Program&) {},
+            [&] { surface.draw_character(character.index); });
+      };
+      const auto gather = [&](std::size_t i) {
+        state->gather.draw(passes, character, state->diffusion.current(), state->diffusion.levels()[i].weight,
+                           state->result);
+      };
+      state->diffusion.run(
+          passes, character, draw_irradiance, [](std::size_t) {}, gather);
+    }
   };
   return {render, &state->result.texture};
 }

@@ -36,6 +36,10 @@
 //                 spread along texel rows do not add up where the stretch changes).
 //   reading       of a level at a pixel: bilinear as in the sources, or bicubic (Catmull and Rom), whose error
 //                 is of third order in the texel and which overshoots at steps by up to 1/8 of them.
+// Several characters (copies of one mesh, so with one UV map between them): one after the other through the same
+//   textures, all passes but the first for each; those that no pixel of skin in view belongs to are left out.
+//   Gathering goes over the rectangle of a character's pixels and tells them by the frame's number of it.
+//
 // (The walkthrough blurs every level by one constant width and takes albedo for irradiance: its pass
 // structure is reproduced, not that.)
 //
@@ -53,7 +57,8 @@
 //   most (N - 2) / 5, so that a texel of a collapsed triangle reads 2 N at most. Per pixel of skin and level
 //   6. Memory: 32 bytes a texel, 64 with a stretch map, 8 more with `nearest`: at most 72 N^2, 1.2 GB at
 //   4096 (a whole run then took 2.6 GB); while reads are counted 32 more. Each level is gathered before the
-//   next takes its place, so L does not count.
+//   next takes its place, so L does not count. Of K characters in view: K times the passes after the first and
+//   the texels read, and with `nearest` 8 bytes a texel for each.
 //
 // Limits. Constant: weights are normalised, to float rounding: 26 readings and sums an axis, six levels:
 // 1e-5. Identity: no narrower than a texel: as s -> 0 what remains is the bilinear reading of point-sampled

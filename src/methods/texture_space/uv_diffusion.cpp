@@ -18,9 +18,71 @@ std::vector<std::string> blur_defines(const Settings& settings, bool blurs_alpha
   return defines;
 }
 
+std::vector<std::string> gather_defines(const Settings& settings) {
+  std::vector<std::string> defines = reading_defines(settings);
+  if (settings.word("gutter") == "coverage") defines.emplace_back("COVERAGE");
+  return defines;
+}
+
 void no_uniforms(const gpu::Program&) {}
 
+// The characters that skin in view belongs to.
+std::vector<SeenCharacter> seen_characters(const MethodInputs& inputs) {
+  const std::size_t count = inputs.surface.character_count();
+  std::vector<SeenCharacter> seen;
+  if (count == 1) {
+    seen.emplace_back();
+    return seen;
+  }
+  const Image numbers = gpu::read_texture(inputs.context, inputs.frame.character, 1);
+  std::vector<Eigen::AlignedBox2i> boxes(count);
+  for (int y = 0; y < numbers.height(); ++y) {
+    for (int x = 0; x < numbers.width(); ++x) {
+      const auto number = static_cast<std::size_t>(numbers.at(x, y, 0));
+      if (number > 0) boxes[number - 1].extend(Eigen::Vector2i(x, numbers.height() - 1 - y));
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (boxes[i].isEmpty()) continue;
+    const Eigen::Vector2i low = boxes[i].min();
+    const Eigen::Vector2i size = boxes[i].sizes() + Eigen::Vector2i::Ones();
+    seen.push_back({i, PixelBox{low.x(), low.y(), size.x(), size.y()}});
+  }
+  return seen;
+}
+
+std::vector<std::string> after_drawn_pixel(std::vector<std::string> pieces) {
+  pieces.insert(pieces.begin(), "texture_space/drawn_pixel.glsl");
+  return pieces;
+}
+
+std::vector<std::string> with_characters(const MethodInputs& inputs, std::vector<std::string> defines) {
+  if (inputs.surface.character_count() > 1) defines.emplace_back("CHARACTERS");
+  return defines;
+}
+
 }  // namespace
+
+CharacterPass::CharacterPass(const MethodInputs& inputs, std::vector<std::string> pieces,
+                             std::vector<std::string> defines)
+    : frame_(inputs.frame),
+      program_(PassProgram::of_pieces(inputs.context, {}, after_drawn_pixel(std::move(pieces)),
+                                      with_characters(inputs, std::move(defines)))) {}
+
+void CharacterPass::draw(Passes& passes, const SeenCharacter& character, const Target& target,
+                         const Passes::SetUniforms& set_uniforms, bool add) const {
+  passes.draw(
+      program_, target,
+      [&](const gpu::Program& program) {
+        program.set("irradiance", frame_.irradiance, 0);
+        if (character.box) {
+          program.set("character", frame_.character, 1);
+          program.set("drawn", static_cast<float>(character.index + 1));
+        }
+        set_uniforms(program);
+      },
+      add, character.box ? &*character.box : nullptr);
+}
 
 UvDiffusion::UvDiffusion(const MethodInputs& inputs, bool blurs_alpha)
     : surface_(inputs.surface),
@@ -35,24 +97,26 @@ UvDiffusion::UvDiffusion(const MethodInputs& inputs, bool blurs_alpha)
       uv_stretch_(inputs.context, "texture_space/uv_irradiance.vert", "texture_space/uv_stretch.frag", {}),
       fill_(inputs.context, "texture_space/fill_gutter.frag"),
       blur_(inputs.context, "texture_space/texture_space.frag", blur_defines(inputs.settings, blurs_alpha)),
+      characters_(seen_characters(inputs)),
       irradiance_(rgba_maps(inputs.context, size_)) {
   if (has_stretch_map_) stretch_.emplace(rgba_maps(inputs.context, size_));
-  if (inputs.settings.word("gutter") == "nearest") find_nearest(inputs.context);
+  if (inputs.settings.word("gutter") != "nearest") return;
+  for (SeenCharacter& character : characters_) find_nearest(inputs.context, character);
 }
 
-Target UvDiffusion::make_map(Passes& passes, const DrawSurface& draw) const {
+Target UvDiffusion::make_map(Passes& passes, const SeenCharacter& character, const DrawSurface& draw) const {
   MapPair map = rgba_maps(passes.context(), size_);
-  draw_map(passes, draw, map);
+  draw_map(passes, character, draw, map);
   return map.take_current();
 }
 
-void UvDiffusion::run(Passes& passes, const DrawSurface& draw, const UseLevel& before,
-                      const UseLevel& after) {
-  draw_maps(passes, draw);
+void UvDiffusion::run(Passes& passes, const SeenCharacter& character, const DrawSurface& draw,
+                      const UseLevel& before, const UseLevel& after) {
+  draw_maps(passes, character, draw);
   double previous_variance_mm2 = 0.0;
   for (std::size_t i = 0; i < levels_.size(); ++i) {
     before(i);
-    if (!incremental_ && i > 0) draw_maps(passes, draw);
+    if (!incremental_ && i > 0) draw_maps(passes, character, draw);
     if (!(i == 0 && first_is_irradiance_)) {
       const double std_dev_mm = std::sqrt(levels_[i].variance_mm2 - previous_variance_mm2);
       if (blurs_stretch_) blur(passes, *stretch_, std_dev_mm);
@@ -63,12 +127,14 @@ void UvDiffusion::run(Passes& passes, const DrawSurface& draw, const UseLevel& b
   }
 }
 
-// The nearest texel on skin of every texel; once, for texture coordinates do not change.
-void UvDiffusion::find_nearest(const gpu::Context& context) {
+// The nearest texel on skin of every texel; once, for texture coordinates do not change. Each character has
+// its own, for its mask is refined along with its light.
+void UvDiffusion::find_nearest(const gpu::Context& context, SeenCharacter& character) {
   const PassProgram start(context, "texture_space/nearest_start.frag");
   const PassProgram step(context, "texture_space/nearest_step.frag");
   Passes passes(context);
-  passes.draw_geometry(uv_stretch_, irradiance_.current_target(), no_uniforms, [&] { surface_.draw(); });
+  passes.draw_geometry(uv_stretch_, irradiance_.current_target(), no_uniforms,
+                       [&] { surface_.draw_character(character.index); });
   MapPair nearest(context, size_, gpu::Format::rg32f, gpu::Filter::nearest);
   passes.draw(start, nearest.current_target(),
               [&](const gpu::Program& program) { program.set("source", irradiance_.current(), 0); });
@@ -82,25 +148,26 @@ void UvDiffusion::find_nearest(const gpu::Context& context) {
   for (auto jump = static_cast<int>(std::bit_ceil(static_cast<unsigned>(size_))) / 2; jump > 0; jump /= 2)
     flood(jump);
   flood(1);  // mends most of what the rounds before it missed
-  nearest_.emplace(nearest.take_current());
+  character.nearest.emplace(nearest.take_current());
 }
 
-void UvDiffusion::draw_maps(Passes& passes, const DrawSurface& draw) {
-  draw_map(passes, draw, irradiance_);
+void UvDiffusion::draw_maps(Passes& passes, const SeenCharacter& character, const DrawSurface& draw) {
+  draw_map(passes, character, draw, irradiance_);
   if (!stretch_) return;
-  const auto draw_stretch = [this](Passes& to, const Target& target) {
-    to.draw_geometry(uv_stretch_, target, no_uniforms, [this] { surface_.draw(); });
+  const auto draw_stretch = [&](Passes& to, const Target& target) {
+    to.draw_geometry(uv_stretch_, target, no_uniforms, [&] { surface_.draw_character(character.index); });
   };
-  draw_map(passes, draw_stretch, *stretch_);
+  draw_map(passes, character, draw_stretch, *stretch_);
 }
 
 // The surface's values in texture space, and in its gutters.
-void UvDiffusion::draw_map(Passes& passes, const DrawSurface& draw, MapPair& map) const {
+void UvDiffusion::draw_map(Passes& passes, const SeenCharacter& character, const DrawSurface& draw,
+                           MapPair& map) const {
   draw(passes, map.current_target());
-  if (!nearest_) return;
+  if (!character.nearest) return;
   passes.draw(fill_, map.next(), [&](const gpu::Program& fill) {
     fill.set("source", map.current(), 0);
-    fill.set("nearest", nearest_->texture, 1);
+    fill.set("nearest", character.nearest->texture, 1);
   });
   map.flip();
 }
@@ -119,23 +186,18 @@ void UvDiffusion::blur(Passes& passes, MapPair& map, double std_dev_mm) const {
   }
 }
 
-GatherPass::GatherPass(const gpu::Context& context, const Settings& settings)
-    : program_(PassProgram::of_pieces(context, {},
-                                      {"texture_space/read_level.glsl", "texture_space/gather.frag"}, [&] {
-                                        std::vector<std::string> defines = reading_defines(settings);
-                                        if (settings.word("gutter") == "coverage")
-                                          defines.emplace_back("COVERAGE");
-                                        return defines;
-                                      }())) {}
+GatherPass::GatherPass(const MethodInputs& inputs)
+    : uv_(inputs.frame.uv),
+      program_(inputs, {"texture_space/read_level.glsl", "texture_space/gather.frag"},
+               gather_defines(inputs.settings)) {}
 
-void GatherPass::draw(Passes& passes, const Frame& frame, const gpu::Texture& level, const Vec3d& weight,
-                      const Target& to) const {
-  passes.draw(
-      program_, to,
+void GatherPass::draw(Passes& passes, const SeenCharacter& character, const gpu::Texture& level,
+                      const Vec3d& weight, const Target& to) const {
+  program_.draw(
+      passes, character, to,
       [&](const gpu::Program& program) {
-        program.set("irradiance", frame.irradiance, 0);
-        program.set("surface_uv", frame.uv, 1);
-        program.set("level", level, 2);
+        program.set("surface_uv", uv_, 2);
+        program.set("level", level, 3);
         program.set("weight", weight);
       },
       true);

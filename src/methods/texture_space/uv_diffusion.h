@@ -28,24 +28,51 @@ class MapPair {
   std::size_t current_ = 0;
 };
 
+// A character that skin in view belongs to.
+struct SeenCharacter {
+  std::size_t index = 0;               // from 0
+  std::optional<PixelBox> box = {};    // of its pixels; none: the scene has no other, and all count
+  std::optional<Target> nearest = {};  // the nearest texel on skin of every texel, where gutters are filled
+};
+
+// The screen passes of texture space, each over the pixels of one character (drawn_pixel.glsl).
+struct CharacterPass {
+  // `pieces` follow drawn_pixel.glsl, which declares `irradiance`.
+  CharacterPass(const MethodInputs& inputs, std::vector<std::string> pieces,
+                std::vector<std::string> defines);
+
+  // `set_uniforms` has the samplers from unit 2 on; outside the character's box nothing is written.
+  void draw(Passes& passes, const SeenCharacter& character, const Target& target,
+            const Passes::SetUniforms& set_uniforms, bool add = false) const;
+
+ private:
+  const Frame& frame_;
+  PassProgram program_;
+};
+
 // The blurs of texture-space diffusion, level by level: see texture_space.frag. Its settings are `inputs`'.
+// A scene's characters share one UV map, so each has its run, one after the other, through the same maps.
 class UvDiffusion {
  public:
   // With `blurs_alpha` alpha is blurred with the irradiance, else it is 1 on what is blurred; either way it
   // is above 0 where a map has something, and only there. Coverage, as a gutter, needs alpha for itself.
   UvDiffusion(const MethodInputs& inputs, bool blurs_alpha);
 
-  // Draws the surface, laid out in texture space, into a cleared map.
+  // Those in view, in the order of the scene.
+  const std::vector<SeenCharacter>& characters() const { return characters_; }
+
+  // Draws the surface of the character that is asked for, laid out in texture space, into a cleared map.
   using DrawSurface = std::function<void(Passes&, const Target&)>;
   // What a level is to its user: its index among the profile's gaussian_levels.
   using UseLevel = std::function<void(std::size_t)>;
 
   // A map of its own, gutters filled.
-  Target make_map(Passes& passes, const DrawSurface& draw) const;
+  Target make_map(Passes& passes, const SeenCharacter& character, const DrawSurface& draw) const;
 
-  // Blurs what `draw` draws to every level in turn. current() is level i when after(i) is called; when
-  // before(i) is, the level before it, and the unblurred map for the first.
-  void run(Passes& passes, const DrawSurface& draw, const UseLevel& before, const UseLevel& after);
+  // Blurs what `draw` draws of a character to every level in turn. current() is level i when after(i) is
+  // called; when before(i) is, the level before it, and the unblurred map for the first.
+  void run(Passes& passes, const SeenCharacter& character, const DrawSurface& draw, const UseLevel& before,
+           const UseLevel& after);
 
   const gpu::Texture& current() const { return irradiance_.current(); }
   // Texels per mm along u and v (rg); null where the setting is off, and the mean stands for it.
@@ -54,9 +81,9 @@ class UvDiffusion {
   const std::vector<GaussianLevel>& levels() const { return levels_; }
 
  private:
-  void find_nearest(const gpu::Context& context);
-  void draw_maps(Passes& passes, const DrawSurface& draw);
-  void draw_map(Passes& passes, const DrawSurface& draw, MapPair& map) const;
+  void find_nearest(const gpu::Context& context, SeenCharacter& character);
+  void draw_maps(Passes& passes, const SeenCharacter& character, const DrawSurface& draw);
+  void draw_map(Passes& passes, const SeenCharacter& character, const DrawSurface& draw, MapPair& map) const;
   void blur(Passes& passes, MapPair& map, double std_dev_mm) const;
 
   const SurfaceBuffers& surface_;
@@ -71,21 +98,23 @@ class UvDiffusion {
   PassProgram uv_stretch_;
   PassProgram fill_;
   PassProgram blur_;
+  std::vector<SeenCharacter> characters_;
   MapPair irradiance_;
   std::optional<MapPair> stretch_;
-  std::optional<Target> nearest_;
 };
 
-// Adds a level, read at each pixel's uv and times its weight, to a result (gather.frag).
+// Adds a level, read at each pixel's uv and times its weight, to a result, on a character's pixels
+// (gather.frag).
 class GatherPass {
  public:
-  GatherPass(const gpu::Context& context, const Settings& settings);
+  explicit GatherPass(const MethodInputs& inputs);
 
-  void draw(Passes& passes, const Frame& frame, const gpu::Texture& level, const Vec3d& weight,
+  void draw(Passes& passes, const SeenCharacter& character, const gpu::Texture& level, const Vec3d& weight,
             const Target& to) const;
 
  private:
-  PassProgram program_;
+  const gpu::Texture& uv_;
+  CharacterPass program_;
 };
 
 // The defines of read_level.glsl.

@@ -1,6 +1,5 @@
 // Of every pixel, where its light enters the body: uv (rg), the distance to it in texture space in mm (b), and whether
 // there is such a place (a).
-SAMPLER(irradiance);
 SAMPLER(position);    // view space
 SAMPLER(surface_uv);
 SAMPLER(shadow_map);
@@ -12,7 +11,7 @@ uniform float texture_size;
 void main() {
   ivec2 p = ivec2(gl_FragCoord.xy);
   result = vec4(0.0);
-  if (read_texel(irradiance, p).a > 0.0) {
+  if (is_drawn(p)) {
     vec3 at_mm = (view_to_light * vec4(read_texel(position, p).xyz, 1.0)).xyz;
     ivec2 q = shadow_texel(at_mm, textureSize(shadow_map, 0));
     if (q.x >= 0) {

@@ -1,6 +1,6 @@
 #include <cmath>
 #include <memory>
-#include <optional>
+#include <vector>
 
 #include "methods/texture_space/uv_diffusion.h"
 
@@ -22,39 +22,54 @@ class TextureSpaceTransmit {
         first_transmitting_(
             first_transmitting(diffusion_.levels().size(), inputs.settings.whole("transmitting_gaussians"))),
         first_(inputs.context),
-        gather_(inputs.context, inputs.settings),
+        gather_(inputs),
         draw_unlit_(inputs.context, "texture_space/uv_irradiance.vert", "texture_space/uv_irradiance.frag",
                     {}),
         draw_shadow_map_(light_pass(inputs.context, "frame/gbuffer.vert", "shadow_map.frag", {})),
         draw_lit_(light_pass(inputs.context, "frame/gbuffer.vert", "uv_thickness.frag",
                              lit_defines(inputs.settings))),
-        find_entry_(light_pass(inputs.context, "", "entry.frag", {})),
-        read_thickness_(inputs.context, "texture_space_transmit/thickness.frag"),
-        transmit_(PassProgram::of_pieces(
-            inputs.context, {},
-            {"texture_space/read_level.glsl", "texture_space_transmit/texture_space_transmit.frag"},
-            transmit_defines(inputs.settings))),
+        find_entry_(inputs, {"texture_space_transmit/light_path.glsl", "texture_space_transmit/entry.frag"},
+                    {}),
+        read_thickness_(inputs, {"texture_space_transmit/thickness.frag"}, {}),
+        transmit_(inputs,
+                  {"texture_space/read_level.glsl", "texture_space_transmit/texture_space_transmit.frag"},
+                  transmit_defines(inputs.settings)),
         shadow_map_(shadow_map(inputs.context, inputs.settings.whole("shadow_map_size"))),
         entry_(screen_target(inputs, gpu::Format::rgba32f)),
         pixel_thickness_(screen_target(inputs, gpu::Format::r32f)),
         result_(screen_target(inputs, gpu::Format::rgba32f)) {
-    if (inputs.settings.word("normal_correction") == "on") normals_.emplace(normal_map(inputs.context));
+    if (inputs.settings.word("normal_correction") != "on") return;
+    for (const SeenCharacter& character : diffusion_.characters())
+      normals_.push_back(normal_map(inputs.context, character));
   }
 
   const gpu::Texture& output() const { return result_.texture; }
 
   void render(Passes& passes) {
     first_.draw(passes, frame_, delta_weight_, result_);
-    for (std::size_t part = 0; part < surface_.part_count(); ++part) {
-      if (surface_.part_light(part)) {
-        add_lit(passes, part, *surface_.part_light(part));
-      } else {
-        add_unlit(passes, part);
+    const std::vector<SeenCharacter>& characters = diffusion_.characters();
+    for (std::size_t i = 0; i < characters.size(); ++i) {
+      const SeenCharacter& character = characters[i];
+      for (std::size_t part = 0; part < surface_.part_count(); ++part) {
+        if (const LightView* light = surface_.part_light(part, character.index)) {
+          const gpu::Texture* normals = normals_.empty() ? nullptr : &normals_[i].texture;
+          add_lit(passes, {character, part, *light, normals});
+        } else {
+          add_unlit(passes, character, part);
+        }
       }
     }
   }
 
  private:
+  // What one light gives of one character.
+  struct LitPart {
+    const SeenCharacter& character;
+    std::size_t part;
+    const LightView& light;
+    const gpu::Texture* normals;  // in texture space; null: thickness is not corrected
+  };
+
   // Stands for exp(-decay t) where no light comes through: above 0, for what is on skin has alpha.
   static constexpr const char* kNoneDefine = "kNone 1e-30";
 
@@ -90,53 +105,55 @@ class TextureSpaceTransmit {
   }
 
   // Once, for it does not change: an object-space normal map in its source.
-  Target normal_map(const gpu::Context& context) const {
+  Target normal_map(const gpu::Context& context, const SeenCharacter& character) const {
     const PassProgram program(context, "frame/gbuffer.vert", "texture_space_transmit/uv_normal.frag",
                               {"UV_SPACE"});
     Passes passes(context);
-    return diffusion_.make_map(passes, [&](Passes& to, const Target& map) {
+    return diffusion_.make_map(passes, character, [&](Passes& to, const Target& map) {
       to.draw_geometry(
           program, map, [](const gpu::Program& used) { used.set("view", Mat4d(Mat4d::Identity())); },
-          [this] { surface_.draw(); });
+          [&] { surface_.draw_character(character.index); });
     });
   }
 
-  void add_unlit(Passes& passes, std::size_t part) {
+  void add_unlit(Passes& passes, const SeenCharacter& character, std::size_t part) {
     const auto draw = [&](Passes& to, const Target& map) {
       to.draw_geometry(
-          draw_unlit_, map, [](const gpu::Program&) {}, [&] { surface_.draw_part(part); });
+          draw_unlit_, map, [](const gpu::Program&) {}, [&] { surface_.draw_part(part, character.index); });
     };
     diffusion_.run(
-        passes, draw, [](std::size_t) {}, [&](std::size_t level) { gather(passes, level); });
+        passes, character, draw, [](std::size_t) {},
+        [&](std::size_t level) { gather(passes, character, level); });
   }
 
-  void add_lit(Passes& passes, std::size_t part, const LightView& light) {
+  void add_lit(Passes& passes, const LitPart& lit) {
+    const SeenCharacter& character = lit.character;
     passes.draw_geometry(
-        draw_shadow_map_, shadow_map_, [&](const gpu::Program& program) { set_light(program, light); },
-        [this] { surface_.draw(); });
+        draw_shadow_map_, shadow_map_, [&](const gpu::Program& program) { set_light(program, lit.light); },
+        [&] { surface_.draw_character(character.index); });
     const auto draw = [&](Passes& to, const Target& map) {
       to.draw_geometry(
           draw_lit_, map,
           [&](const gpu::Program& program) {
-            set_light(program, light);
+            set_light(program, lit.light);
             program.set("shadow_map", shadow_map_.texture, 0);
-            program.set("surface_normal", normals_ ? normals_->texture : shadow_map_.texture, 1);
+            program.set("surface_normal", lit.normals != nullptr ? *lit.normals : shadow_map_.texture, 1);
             program.set("decay_per_mm", decay_per_mm_);
           },
-          [&] { surface_.draw_part(part); });
+          [&] { surface_.draw_part(lit.part, character.index); });
     };
     const auto before = [&](std::size_t level) {
-      if (level == 0) find_entries(passes, light);
+      if (level == 0) find_entries(passes, lit);
       if (thickness_ == "unblurred" ? level == 0 : thickness_ == "level-before" && transmits(level))
-        read_thickness(passes);
+        read_thickness(passes, character);
     };
     const auto after = [&](std::size_t level) {
-      gather(passes, level);
+      gather(passes, character, level);
       if (!transmits(level)) return;
-      if (thickness_ == "same-level") read_thickness(passes);
-      transmit(passes, level);
+      if (thickness_ == "same-level") read_thickness(passes, character);
+      transmit(passes, character, level);
     };
-    diffusion_.run(passes, draw, before, after);
+    diffusion_.run(passes, character, draw, before, after);
   }
 
   bool transmits(std::size_t level) const { return level >= first_transmitting_; }
@@ -147,42 +164,40 @@ class TextureSpaceTransmit {
     program.set("point_light", light.point ? 1 : 0);
   }
 
-  void find_entries(Passes& passes, const LightView& light) const {
-    passes.draw(find_entry_, entry_, [&](const gpu::Program& program) {
+  void find_entries(Passes& passes, const LitPart& lit) const {
+    find_entry_.draw(passes, lit.character, entry_, [&](const gpu::Program& program) {
       const gpu::Texture* stretch = diffusion_.stretch();
-      program.set("irradiance", frame_.irradiance, 0);
-      program.set("position", frame_.position, 1);
-      program.set("surface_uv", frame_.uv, 2);
-      program.set("shadow_map", shadow_map_.texture, 3);
-      program.set("stretch", stretch != nullptr ? *stretch : diffusion_.current(), 4);
-      program.set("view_to_light", Mat4d(light.view * frame_.view.inverse()));
-      program.set("projection", light.projection);
-      program.set("point_light", light.point ? 1 : 0);
+      program.set("position", frame_.position, 2);
+      program.set("surface_uv", frame_.uv, 3);
+      program.set("shadow_map", shadow_map_.texture, 4);
+      program.set("stretch", stretch != nullptr ? *stretch : diffusion_.current(), 5);
+      program.set("view_to_light", Mat4d(lit.light.view * frame_.view.inverse()));
+      program.set("projection", lit.light.projection);
+      program.set("point_light", lit.light.point ? 1 : 0);
       program.set("mean_texels_per_mm", diffusion_.mean_texels_per_mm());
       program.set("texture_size", static_cast<double>(texture_size_));
     });
   }
 
-  void read_thickness(Passes& passes) const {
-    passes.draw(read_thickness_, pixel_thickness_, [&](const gpu::Program& program) {
-      program.set("irradiance", frame_.irradiance, 0);
-      program.set("surface_uv", frame_.uv, 1);
-      program.set("level", diffusion_.current(), 2);
+  void read_thickness(Passes& passes, const SeenCharacter& character) const {
+    read_thickness_.draw(passes, character, pixel_thickness_, [&](const gpu::Program& program) {
+      program.set("surface_uv", frame_.uv, 2);
+      program.set("level", diffusion_.current(), 3);
     });
   }
 
-  void gather(Passes& passes, std::size_t level) const {
-    gather_.draw(passes, frame_, diffusion_.current(), diffusion_.levels()[level].weight, result_);
+  void gather(Passes& passes, const SeenCharacter& character, std::size_t level) const {
+    gather_.draw(passes, character, diffusion_.current(), diffusion_.levels()[level].weight, result_);
   }
 
-  void transmit(Passes& passes, std::size_t level) const {
+  void transmit(Passes& passes, const SeenCharacter& character, std::size_t level) const {
     const GaussianLevel& gaussian = diffusion_.levels()[level];
-    passes.draw(
-        transmit_, result_,
+    transmit_.draw(
+        passes, character, result_,
         [&](const gpu::Program& program) {
-          program.set("entry", entry_.texture, 0);
-          program.set("thickness", pixel_thickness_.texture, 1);
-          program.set("level", diffusion_.current(), 2);
+          program.set("entry", entry_.texture, 2);
+          program.set("thickness", pixel_thickness_.texture, 3);
+          program.set("level", diffusion_.current(), 4);
           program.set("decay_per_mm", decay_per_mm_);
           program.set("variance_mm2", gaussian.variance_mm2);
           program.set("blend_mm", blend_std_devs_ * gaussian.std_dev_mm());
@@ -205,14 +220,14 @@ class TextureSpaceTransmit {
   PassProgram draw_unlit_;
   PassProgram draw_shadow_map_;
   PassProgram draw_lit_;
-  PassProgram find_entry_;
-  PassProgram read_thickness_;
-  PassProgram transmit_;
+  CharacterPass find_entry_;
+  CharacterPass read_thickness_;
+  CharacterPass transmit_;
   Target shadow_map_;
   Target entry_;
   Target pixel_thickness_;
   Target result_;
-  std::optional<Target> normals_;
+  std::vector<Target> normals_;  // in texture space, of each character in view; none: not wanted
 };
 
 PreparedMethod prepare(const MethodInputs& inputs) {

@@ -1,8 +1,9 @@
 // texture-space-transmit: texture-space, and the light that comes through thin parts by translucent shadow maps
 // (d'Eon & Luebke 2007, "modified translucent shadow maps"; the walkthrough).
 //
-// Passes, for each light without size that casts shadows:
-//   shadow_map.frag    from the light: of what it meets first, the distance z, (u, v), and whether light gets in
+// Passes, for each character in view and each light without size that casts shadows:
+//   shadow_map.frag    from the light, of the character alone: of what it meets first, the distance z, (u, v), and
+//                      whether light gets in
 //   uv_thickness.frag  in texture space: the light's irradiance, and exp(-decay t) in alpha, t the thickness; both
 //                      are then blurred together, level by level, as texture-space blurs irradiance
 //   entry.frag         per pixel: the shadow map's (u, v) there, the entry, and its distance from the pixel's own
@@ -22,6 +23,11 @@
 // through. Transmitters are the skin that the scene's `transmitter_mask` marks, without one all of it, read at the
 // centroids of triangles: where light goes in. What is not skin casts shadows.
 //
+// Characters: as in texture-space, one after the other. A light's map has only the character that it is drawn for, and
+// is fitted to it: (u, v) of an entry is read in that character's textures, so an entry on another would read light
+// that is not there. What another keeps from the light is missing from the irradiance at the entry, and so from what
+// comes through, with the edge that blurring gives a shadow; a map of all of them would cut that off at the edge.
+//
 // Open in the sources, or different, and what we take:
 //   The walkthrough reads four thicknesses out of alpha and says nothing of what is written there; d'Eon & Luebke
 //   write the above. Both use three of the four, for the three widest Gaussians of six, each Gaussian's out of the
@@ -30,7 +36,7 @@
 //   of all in one; these are the former. Weights are the profile's, not divided by their sum.
 //
 // Settings: those of texture-space (but for gutter "coverage": alpha holds the thickness), and
-//   shadow_map_size         texels a side of the light's picture, which holds the whole mesh (1024); read unfiltered
+//   shadow_map_size         texels a side of the light's picture of a character (1024); read unfiltered
 //   transmitting_gaussians  how many of the widest let light through (3). Narrow ones matter below a millimetre only,
 //                           where the light is in the local part already
 //   thickness               level-before, as in the sources; same-level; unblurred: of the map before any blur
@@ -54,13 +60,13 @@
 //   already. Round the terminator of a convex body the way is short and along the surface not much longer, so that
 //   light is counted twice; blend_std_devs lessens that, and takes from thin rims what they should have. Distance in
 //   UV says little across charts. The entry is the first thing that the light meets, so a gap counts as body. A point
-//   light sees nothing that lies more than 80 degrees off the middle of the mesh, and none of that light comes
+//   light sees nothing that lies more than 80 degrees off the middle of the character, and none of that light comes
 //   through. Each light costs a whole diffusion. What texture-space fails by, it fails by too.
 //
-// Cost for each light: texture-space; one pass over the geometry at the shadow map's size; one to find the entry, 8
-//   texels a pixel; 5 texels more for each that has a thickness; and for each transmitting Gaussian two passes, of 6
-//   and up to 6 (bicubic: 18) texels a pixel. Memory beyond texture-space's: 16 bytes a texel of the normal map, 20 of
-//   the shadow map.
+// Cost for each light and character: texture-space; one pass over its geometry at the shadow map's size; one to find
+//   the entry, 8 texels a pixel; 5 texels more for each that has a thickness; and for each transmitting Gaussian two
+//   passes, of 6 and up to 6 (bicubic: 18) texels a pixel. Memory beyond texture-space's: 16 bytes a texel of each
+//   character's normal map, 20 of the shadow map.
 //
 // Limits. Constant: a plane that faces its light has no thickness: texture-space's 1e-5. Identity: on a convex body of
 // radius of curvature R the entry lies h before the terminator, as the light sees it, and gets h / R of the largest

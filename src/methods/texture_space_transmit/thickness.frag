@@ -1,11 +1,10 @@
 // The alpha of a level, or of the map that is not blurred yet, at every pixel's uv.
-SAMPLER(irradiance);
 SAMPLER(surface_uv);
 SAMPLER(level);
 
 void main() {
   ivec2 p = ivec2(gl_FragCoord.xy);
   result = vec4(0.0);
-  if (read_texel(irradiance, p).a > 0.0) result = vec4(read_linear(level, read_texel(surface_uv, p).xy).a);
+  if (is_drawn(p)) result = vec4(read_linear(level, read_texel(surface_uv, p).xy).a);
   WRITE_COUNTS;
 }

@@ -1,0 +1,34 @@
+#include "scene/characters.h"
+
+#include <cassert>
+
+namespace truescatter {
+namespace {
+
+void append(const Mesh& one, const CharacterPlace& place, Mesh& all) {
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(place.rotation_deg * kPi / 180.0, Vec3d::UnitY()).toRotationMatrix();
+  const auto first_vertex = static_cast<int>(all.positions_mm.size());
+  for (const Vec3d& p : one.positions_mm) all.positions_mm.emplace_back(turn * p + place.position_mm);
+  for (std::array<int, 3> triangle : one.triangles) {
+    for (int& vertex : triangle) vertex += first_vertex;
+    all.triangles.push_back(triangle);
+  }
+  for (const std::array<Vec3d, 3>& normals : one.corner_normals)
+    all.corner_normals.push_back({turn * normals[0], turn * normals[1], turn * normals[2]});
+  if (one.corner_uvs)
+    all.corner_uvs->insert(all.corner_uvs->end(), one.corner_uvs->begin(), one.corner_uvs->end());
+}
+
+}  // namespace
+
+Mesh place_characters(const Mesh& one, std::span<const CharacterPlace> places) {
+  assert(one.characters == 1 && !places.empty());
+  Mesh all;
+  all.characters = places.size();
+  if (one.corner_uvs) all.corner_uvs.emplace();
+  for (const CharacterPlace& place : places) append(one, place, all);
+  return all;
+}
+
+}  // namespace truescatter
