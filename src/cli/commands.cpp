@@ -75,8 +75,8 @@ int run(const RunArguments& arguments) {
   ResultFolder results(folder);
   const std::unique_ptr<TruthCache> cache =
       spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
-  const RunOutcome outcome =
-      run_experiment(spec, results.working(), cache.get(), {}, {arguments.gl, arguments.export_inputs});
+  const RunOutcome outcome = run_experiment(spec, results.working(), cache.get(), {},
+                                            {arguments.gl, arguments.export_inputs, arguments.export_passes});
   write_report(results.working());
   results.publish();
   fmt::print("{}\n", (folder / "report.html").string());

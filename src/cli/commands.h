@@ -19,6 +19,7 @@ struct RunArguments {
   bool dry_run = false;
   gpu::Backend gl = gpu::Backend::osmesa;
   bool export_inputs = false;  // what methods are given of each view is written too
+  bool export_passes = false;  // the textures that methods name on their way are written too
   bool no_cache = false;       // truths are neither taken from the cache nor kept there
 };
 int run(const RunArguments& arguments);

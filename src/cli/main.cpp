@@ -55,6 +55,8 @@ int dispatch(int argc, char** argv) {
       "--export-inputs", run_arguments.export_inputs,
       "Write what methods are given of each view as EXR, to inputs/; methods whose picture is not there "
       "yet are skipped");
+  run->add_flag("--export-passes", run_arguments.export_passes,
+                "Write the textures that methods name on their way as EXR and PNG, to passes/");
   run->add_flag("--no-cache", run_arguments.no_cache, "Compute every truth, and keep none in the cache");
 
   TruthArguments truth_arguments;

@@ -25,8 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // The folders of a result, with the kinds of files that they hold.
-const std::map<std::string, std::vector<std::string>, std::less<>> kFolders = {{"maps", {".png", ".exr"}},
-                                                                               {"inputs", {".exr", ".json"}}};
+const std::map<std::string, std::vector<std::string>, std::less<>> kFolders = {
+    {"maps", {".png", ".exr"}}, {"inputs", {".exr", ".json"}}, {"passes", {".png", ".exr"}}};
 constexpr std::array<std::string_view, 4> kFiles = {"report.html", "results.json", "results.csv",
                                                     "experiment.resolved.toml"};
 

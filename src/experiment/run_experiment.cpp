@@ -66,7 +66,9 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, cache, wrap);
   const std::filesystem::path inputs = options.export_inputs ? folder / "inputs" : "";
   if (!inputs.empty()) make_folder(inputs);
-  const Setup setup{spec, plan, scene, context, buffers, truths, inputs};
+  const std::filesystem::path passes = options.export_passes ? folder / "passes" : "";
+  if (!passes.empty()) make_folder(passes);
+  const Setup setup{spec, plan, scene, context, buffers, truths, inputs, passes};
 
   json results = {{"schema", kResultsSchema},
                   {"experiment",

@@ -14,6 +14,7 @@ struct RunOptions {
   gpu::Backend gl = gpu::Backend::osmesa;
   bool export_inputs =
       false;  // writes what methods are given of each view to inputs/, and skips what has no picture
+  bool export_passes = false;  // writes the textures that methods name on their way to passes/
 };
 
 // What a run ended with.

@@ -14,6 +14,7 @@
 #include "experiment/light_path_sample.h"
 #include "experiment/metrics_json.h"
 #include "experiment/own_method.h"
+#include "experiment/pass_files.h"
 #include "experiment/profile_truth.h"
 #include "experiment/result_json.h"
 #include "experiment/view_truth.h"
@@ -30,6 +31,7 @@ using nlohmann::json;
 struct Measured {
   Image exitance;
   json cost;
+  json passes;  // the files of the textures that the method names; null where none are written
 };
 
 std::size_t skin_pixels(const Image& mask) {
@@ -37,8 +39,14 @@ std::size_t skin_pixels(const Image& mask) {
       std::count_if(mask.data().begin(), mask.data().end(), [](float v) { return v > 0.0F; }));
 }
 
+// What a method is drawn for: how many pixels its cost is shared by, and the stem of its files' names.
+struct DrawnView {
+  std::size_t skin_pixels;
+  std::string stem;
+};
+
 Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Method& method,
-                       std::size_t pixels) {
+                       const DrawnView& view) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const PreparedMethod prepared = method.prepare(inputs);
@@ -51,7 +59,15 @@ Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Met
   setup.context.check(std::string(method.name).c_str());
   Measured measured;
   measured.exitance = gpu::read_texture(setup.context, *prepared.output, 3);
-  const double per_pixel = pixels > 0 ? 1.0 / static_cast<double>(pixels) : 0.0;
+  if (!setup.passes.empty()) {
+    measured.passes = json::array();
+    passes.record(
+        [&] { prepared.render(passes); },
+        [&](const NamedTexture& texture) {
+          measured.passes.push_back(write_named_texture(setup.passes, view.stem, texture, setup.exposure()));
+        });
+  }
+  const double per_pixel = view.skin_pixels > 0 ? 1.0 / static_cast<double>(view.skin_pixels) : 0.0;
   measured.cost = {{"frame_ms",
                     {{"median", times.median_ms},
                      {"min", times.min_ms},
@@ -369,6 +385,7 @@ class ViewRunner {
     }
     if (against.model != nullptr) run["profile_error"] = profile_error(measured.exitance, against);
     add_maps(run, profile.name + "." + planned.label, measured.exitance, against);
+    if (!measured.passes.is_null()) run["files"]["passes"] = measured.passes;
     if (!setup_.plan.ladders.empty()) drawn_[planned.label] = measured.exitance;
     results_["runs"].push_back(run);
   }
@@ -424,10 +441,12 @@ class ViewRunner {
     if (planned.pictures != nullptr)
       return {read_picture(picture_path(setup_.spec, *planned.pictures, name_, profile.name),
                            *planned.pictures, view_),
-              nullptr};
+              nullptr,
+              {}};
     const MethodInputs inputs{setup_.context,   frame_,  setup_.surface,
                               median_depth_mm_, profile, planned.settings};
-    Measured measured = draw_and_time(setup_, inputs, *planned.method, truth_.points().size());
+    const std::string stem = name_ + "." + profile.name + "." + planned.label;
+    Measured measured = draw_and_time(setup_, inputs, *planned.method, {truth_.points().size(), stem});
     if (planned.method->check) check_finite(planned.method->name, measured.exitance, images_.mask);
     return measured;
   }

@@ -21,6 +21,8 @@ struct Setup {
   const SurfaceBuffers& surface;
   const SceneTruths& truths;
   std::filesystem::path inputs = {};  // the folder for what methods are given; empty: it is not written
+  std::filesystem::path passes =
+      {};  // the folder for the textures that methods name; empty: they are not written
 
   double exposure() const { return 1.0 / scene.largest_irradiance; }
 };

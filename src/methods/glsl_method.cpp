@@ -329,7 +329,8 @@ struct State {
     return frame.irradiance;
   }
 
-  void draw(Passes& into, const Round& round) const {
+  void draw(Passes& into, std::size_t round_index) const {
+    const Round& round = rounds[round_index];
     for (std::size_t i = 0; i < passes.size(); ++i) {
       into.draw(passes[i].program, targets[i], [&](const gpu::Program& program) {
         int unit = 0;
@@ -340,18 +341,22 @@ struct State {
         for (const auto& [name, value] : passes[i].numbers) program.set(name.c_str(), value);
         for (const auto& [name, value] : passes[i].whole_numbers) program.set(name.c_str(), value);
       });
+      const std::string name = fmt::format("pass-{}", i + 1);
+      into.show(targets[i].texture,
+                rounds.size() == 1 ? name : fmt::format("round-{}-{}", round_index + 1, name), "RGB",
+                "what the pass draws");
     }
   }
 
   void render(Passes& into) const {
     if (method->run == GlslRun::once) {
-      draw(into, rounds.front());
+      draw(into, 0);
       return;
     }
     first.draw(into, frame, delta_weight, result);
-    for (const Round& round : rounds) {
-      draw(into, round);
-      accumulate.draw(into, frame, targets.back().texture, round.weight, result);
+    for (std::size_t i = 0; i < rounds.size(); ++i) {
+      draw(into, i);
+      accumulate.draw(into, frame, targets.back().texture, rounds[i].weight, result);
     }
   }
 };

@@ -1,5 +1,7 @@
 #include "methods/passes.h"
 
+#include <fmt/format.h>
+
 #include "methods/shader_files.h"
 
 namespace truescatter {
@@ -120,6 +122,22 @@ Passes::Counts Passes::count(const std::function<void()>& work) {
   counting_ = false;
   context_.check("counting texture reads");
   return counts_;
+}
+
+void Passes::show(const gpu::Texture& texture, const std::string& name, std::string_view channels,
+                  std::string_view shows) {
+  if (!take_) return;
+  const int times = ++shown_[name];
+  take_({times == 1 ? name : fmt::format("{}-{}", name, times), std::string(channels), std::string(shows),
+         gpu::read_texture(context_, texture, static_cast<int>(channels.size()))});
+}
+
+void Passes::record(const std::function<void()>& work, const Take& take) {
+  take_ = take;
+  shown_.clear();
+  work();
+  take_ = {};
+  context_.check("recording a method's textures");
 }
 
 }  // namespace truescatter

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -64,6 +65,15 @@ struct PixelBox {
   int height = 0;
 };
 
+// What a texture of a method's own holds at some moment of a frame.
+struct NamedTexture {
+  std::string name;  // its own within the frame: what is named again gets a number, level, level-2, ...
+  std::string
+      channels;  // a letter for each of the image's: RGB is light in units of irradiance, others are numbers
+  std::string shows;  // in words, units included
+  Image image;        // row 0 at the top: the texture's last row
+};
+
 // How a method draws: keeps count of its passes and, when asked to, of its texture reads.
 class Passes {
  public:
@@ -89,6 +99,15 @@ class Passes {
   // Counts what `work` does; runs it with the counting shaders.
   Counts count(const std::function<void()>& work);
 
+  // Names what a texture holds now, before it is drawn over. Only while recording anything comes of it: timed
+  // and counted frames read nothing back. `name`: letters, digits and '-', as it becomes part of a file's
+  // name.
+  void show(const gpu::Texture& texture, const std::string& name, std::string_view channels,
+            std::string_view shows);
+  // Hands what `work` names on to `take`, one texture after the other, as each is drawn.
+  using Take = std::function<void(const NamedTexture&)>;
+  void record(const std::function<void()>& work, const Take& take);
+
  private:
   void run(const PassProgram& program, const Target& target, const SetUniforms& set_uniforms, bool add,
            bool clear, const std::function<void()>& geometry);
@@ -97,6 +116,8 @@ class Passes {
   gpu::FullScreen full_screen_;
   bool counting_ = false;
   Counts counts_;
+  Take take_;                         // while recording
+  std::map<std::string, int> shown_;  // how often each name was given
 };
 
 }  // namespace truescatter

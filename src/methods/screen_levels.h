@@ -62,6 +62,7 @@ struct ScreenResult {
   }
 
   void add(Passes& passes, const Frame& frame, const gpu::Texture& level, const Vec3d& weight) const {
+    passes.show(level, "level", "RGB", "the frame's light, blurred, before its weight");
     accumulate.draw(passes, frame, level, weight, result);
   }
 

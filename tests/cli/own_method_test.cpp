@@ -328,6 +328,51 @@ TEST_F(CliErrors, AShaderThatGivesNoNumber) {
   expect_refused(run(kBall + kOnePass), {"method 'mine': its exitance at column ", "is not finite"});
 }
 
+// Of methods of one's own every pass, of built-in ones what they name. A pass that is drawn once gives what
+// it draws.
+TEST_F(OwnShader, PassesAreExportedAsTheyAreDrawn) {
+  folder_.write("mine.frag", kPlain);
+  const std::string methods = kOnePass + "[[method]]\nname = \"pscbf\"\n";
+  const ProgramResult result = run(kBall + methods, {"--export-passes"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json_of();
+  EXPECT_EQ(run_of(results, "none")["files"]["passes"], Json::array());
+  const Json& passes = run_of(results, "mine")["files"]["passes"];
+  ASSERT_EQ(passes.size(), 1U);
+  EXPECT_EQ(passes[0]["name"], "pass-1");
+  EXPECT_EQ(passes[0]["channels"], "RGB");
+  EXPECT_EQ(passes[0]["exr"], "passes/front.spike-and-base.mine.pass-1.exr");
+  // White is the brightest irradiance, as in all pictures of a run.
+  EXPECT_NEAR(passes[0]["white"].get<double>(), results["scene"]["largest_irradiance"].get<double>(), 1e-12);
+  const std::filesystem::path out = folder_.path() / "out";
+  EXPECT_EQ(largest_difference(read_rgb(out / passes[0]["exr"].get<std::string>()), exitance("mine")), 0.0);
+  EXPECT_EQ(text("out/" + passes[0]["png"].get<std::string>()),
+            text("out/maps/front.spike-and-base.mine.png"));
+
+  // The profile's spike and one level: w_0 I + w_1 level is the method's picture.
+  const Json& levels = run_of(results, "pscbf")["files"]["passes"];
+  ASSERT_EQ(levels.size(), 1U);
+  const Image level = read_rgb(out / levels[0]["exr"].get<std::string>());
+  const Image plain = exitance("none");
+  const Image blurred = exitance("pscbf");
+  const Json& profile = results["profiles"][0];
+  for (int y = 0; y < level.height(); ++y) {
+    for (int x = 0; x < level.width(); ++x) {
+      if (plain.rgb(x, y).isZero()) continue;
+      for (int c = 0; c < 3; ++c) {
+        const auto i = static_cast<std::size_t>(c);
+        EXPECT_NEAR(profile["delta_weight"][i].get<double>() * plain.at(x, y, c) +
+                        profile["gaussians"][0]["weight"][i].get<double>() * level.at(x, y, c),
+                    blurred.at(x, y, c), 1e-6);
+      }
+    }
+  }
+  // A run without them takes the place of one with them.
+  ASSERT_EQ(run(kBall + methods).exit_code, 0);
+  EXPECT_FALSE(exists("out/passes"));
+  EXPECT_FALSE(run_of(json_of(), "mine")["files"].contains("passes"));
+}
+
 class OwnPicture : public OwnShader {};
 
 const std::string kPicture = R"(

@@ -371,5 +371,71 @@ TEST(TextureSpace, GuttersDoWhatTheManualSays) {
               texel + 1.5 * 0.399 * 0.117 / kStdDevMm);
 }
 
+// A level's map, read bilinearly at the pixel's place in it, row 0 at the top.
+Vec3d read_bilinearly(const Image& map, const Vec2d& uv) {
+  const Vec2d place(uv.x() * map.width() - 0.5, (1.0 - uv.y()) * map.height() - 0.5);
+  const int x = static_cast<int>(std::floor(place.x()));
+  const int y = static_cast<int>(std::floor(place.y()));
+  const Vec2d f = place - Vec2d(x, y);
+  return (1.0 - f.y()) * ((1.0 - f.x()) * map.rgb(x, y) + f.x() * map.rgb(x + 1, y)) +
+         f.y() * ((1.0 - f.x()) * map.rgb(x, y + 1) + f.x() * map.rgb(x + 1, y + 1));
+}
+
+// Each level is named while it is there: the picture that the profile makes of one level alone is that
+// level's map, read where the pixel lies. On a square of even stretch the stretch map stays what it is,
+// however blurred.
+TEST(TextureSpace, NamesEveryLevelAsItIs) {
+  constexpr double kViewMm = 28.0;
+  constexpr int kTexels = 256;
+  const Scene scene = lit_by_a_kink(0, 1.0, kViewMm);
+  const Profile profile = three_levels(0);
+  const Method& method = find_method("texture-space");
+  for (const bool blurs_stretch : {false, true}) {
+    const Settings settings(method.name, method.settings,
+                            {{"texture_size", static_cast<double>(kTexels)},
+                             {"stretch", std::string(blurs_stretch ? "blurred" : "raw")}});
+    const SurfaceBuffers buffers(Scene::context(), scene.shading());
+    const PreparedMethod prepared =
+        method.prepare({Scene::context(), scene.frame(), buffers, 1000.0, profile, settings});
+    Passes passes(Scene::context());
+    prepared.render(passes);
+    const Image unrecorded = gpu::read_texture(Scene::context(), *prepared.output, 3);
+    std::map<std::string, Image> named;
+    passes.record([&] { prepared.render(passes); },
+                  [&](const NamedTexture& texture) { named[texture.name] = texture.image; });
+    const Image picture = gpu::read_texture(Scene::context(), *prepared.output, 3);
+    for (std::size_t i = 0; i < picture.data().size(); ++i)
+      ASSERT_EQ(picture.data()[i], unrecorded.data()[i]);
+    ASSERT_EQ(named.size(), blurs_stretch ? 8U : 5U);
+    for (const auto& [name, image] : named) {
+      ASSERT_EQ(image.width(), kTexels) << name;
+      if (!name.starts_with("stretch")) continue;
+      // A texel is 60 / 256 mm on a square of 60 mm; positions are interpolated to 2^-23 of 30 mm, twice.
+      for (const float value : image.data())
+        ASSERT_NEAR(value, kTexels / kSizeMm, 2.0 * 30.0 * std::exp2(-22.0) * std::pow(kTexels / kSizeMm, 2))
+            << name;
+    }
+    const double pixel_mm = kViewMm / picture.width();
+    for (int x = 100; x < picture.width(); x += 7) {
+      const int y = 301;
+      const Vec2d uv(0.5 + ((x + 0.5) * pixel_mm - 0.5 * kViewMm) / kSizeMm,
+                     0.5 + (0.5 * kViewMm - (y + 0.5) * pixel_mm) / kSizeMm);
+      for (int c = 0; c < 3; ++c) {
+        // The rasteriser takes the fraction of a texture coordinate to 8 bits, in steps of up to 1 / 128 from
+        // texel to texel (60 mm / 256 over 30 mm), and the weights of 1e-12 do not show.
+        const std::string level = fmt::format("level-{}", c + 1);
+        ASSERT_NEAR(picture.at(x, y, c), read_bilinearly(named.at(level), uv)[c],
+                    std::exp2(-8.0) * 2.0 * kSizeMm / kTexels / 30.0 + 1e-5)
+            << level << " at " << x;
+      }
+    }
+    // Blurred further from one to the next: the kink's value grows.
+    const auto at_the_kink = [&](int level) {
+      return named.at(fmt::format("level-{}", level)).at(128, 100, 0);
+    };
+    for (int level = 1; level <= 3; ++level) EXPECT_GT(at_the_kink(level), at_the_kink(level - 1));
+  }
+}
+
 }  // namespace
 }  // namespace truescatter

@@ -37,7 +37,7 @@ PreparedMethod prepare(const MethodInputs& inputs) {
                            state->result);
       };
       state->diffusion.run(
-          passes, character, draw_irradiance, [](std::size_t) {}, gather);
+          passes, {character, draw_irradiance}, [](std::size_t) {}, gather);
     }
   };
   return {render, &state->result.texture};

@@ -1,5 +1,7 @@
 #include "methods/texture_space/uv_diffusion.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <cmath>
 
@@ -110,18 +112,19 @@ Target UvDiffusion::make_map(Passes& passes, const SeenCharacter& character, con
   return map.take_current();
 }
 
-void UvDiffusion::run(Passes& passes, const SeenCharacter& character, const DrawSurface& draw,
-                      const UseLevel& before, const UseLevel& after) {
-  draw_maps(passes, character, draw);
+void UvDiffusion::run(Passes& passes, const Source& source, const UseLevel& before, const UseLevel& after) {
+  draw_maps(passes, source);
+  show(passes, source, 0);
   double previous_variance_mm2 = 0.0;
   for (std::size_t i = 0; i < levels_.size(); ++i) {
     before(i);
-    if (!incremental_ && i > 0) draw_maps(passes, character, draw);
+    if (!incremental_ && i > 0) draw_maps(passes, source);
     if (!(i == 0 && first_is_irradiance_)) {
       const double std_dev_mm = std::sqrt(levels_[i].variance_mm2 - previous_variance_mm2);
       if (blurs_stretch_) blur(passes, *stretch_, std_dev_mm);
       blur(passes, irradiance_, std_dev_mm);
     }
+    show(passes, source, i + 1);
     after(i);
     if (incremental_) previous_variance_mm2 = levels_[i].variance_mm2;
   }
@@ -151,13 +154,26 @@ void UvDiffusion::find_nearest(const gpu::Context& context, SeenCharacter& chara
   character.nearest.emplace(nearest.take_current());
 }
 
-void UvDiffusion::draw_maps(Passes& passes, const SeenCharacter& character, const DrawSurface& draw) {
-  draw_map(passes, character, draw, irradiance_);
+void UvDiffusion::draw_maps(Passes& passes, const Source& source) {
+  draw_map(passes, source.character, source.draw, irradiance_);
   if (!stretch_) return;
   const auto draw_stretch = [&](Passes& to, const Target& target) {
-    to.draw_geometry(uv_stretch_, target, no_uniforms, [&] { surface_.draw_character(character.index); });
+    to.draw_geometry(uv_stretch_, target, no_uniforms,
+                     [&] { surface_.draw_character(source.character.index); });
   };
-  draw_map(passes, character, draw_stretch, *stretch_);
+  draw_map(passes, source.character, draw_stretch, *stretch_);
+}
+
+// Names a level's maps; level 0 is what is drawn, unblurred. A stretch map that is not blurred stays that.
+void UvDiffusion::show(Passes& passes, const Source& source, std::size_t level) const {
+  const std::string whose =
+      source.character.box ? fmt::format("character-{}-", source.character.index + 1) : "";
+  const std::string light = source.light.empty() ? "" : source.light + "-";
+  passes.show(irradiance_.current(), fmt::format("{}{}level-{}", whose, light, level), "RGB",
+              level == 0 ? "irradiance in texture space" : "irradiance in texture space, blurred");
+  if (stretch_ && (level == 0 || blurs_stretch_))
+    passes.show(stretch_->current(), fmt::format("{}{}stretch-{}", whose, light, level), "uv",
+                "texels per mm along u and v");
 }
 
 // The surface's values in texture space, and in its gutters.

@@ -69,10 +69,16 @@ class UvDiffusion {
   // A map of its own, gutters filled.
   Target make_map(Passes& passes, const SeenCharacter& character, const DrawSurface& draw) const;
 
-  // Blurs what `draw` draws of a character to every level in turn. current() is level i when after(i) is
+  // What a run blurs: what `draw` draws of a character.
+  struct Source {
+    const SeenCharacter& character;
+    DrawSurface draw;
+    std::string light = {};  // names the light that it is of, where a frame blurs several apart
+  };
+
+  // Blurs it to every level in turn, and names each (Passes::show). current() is level i when after(i) is
   // called; when before(i) is, the level before it, and the unblurred map for the first.
-  void run(Passes& passes, const SeenCharacter& character, const DrawSurface& draw, const UseLevel& before,
-           const UseLevel& after);
+  void run(Passes& passes, const Source& source, const UseLevel& before, const UseLevel& after);
 
   const gpu::Texture& current() const { return irradiance_.current(); }
   // Texels per mm along u and v (rg); null where the setting is off, and the mean stands for it.
@@ -82,9 +88,10 @@ class UvDiffusion {
 
  private:
   void find_nearest(const gpu::Context& context, SeenCharacter& character);
-  void draw_maps(Passes& passes, const SeenCharacter& character, const DrawSurface& draw);
+  void draw_maps(Passes& passes, const Source& source);
   void draw_map(Passes& passes, const SeenCharacter& character, const DrawSurface& draw, MapPair& map) const;
   void blur(Passes& passes, MapPair& map, double std_dev_mm) const;
+  void show(Passes& passes, const Source& source, std::size_t level) const;
 
   const SurfaceBuffers& surface_;
   int size_;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -116,13 +118,19 @@ class TextureSpaceTransmit {
     });
   }
 
+  // Of the textures that are named on the way: parts are numbered as the lights that are followed, and what
+  // is left comes last.
+  std::string light_name(std::size_t part) const {
+    return surface_.part_count() == 1 ? "" : fmt::format("light-{}", part + 1);
+  }
+
   void add_unlit(Passes& passes, const SeenCharacter& character, std::size_t part) {
     const auto draw = [&](Passes& to, const Target& map) {
       to.draw_geometry(
           draw_unlit_, map, [](const gpu::Program&) {}, [&] { surface_.draw_part(part, character.index); });
     };
     diffusion_.run(
-        passes, character, draw, [](std::size_t) {},
+        passes, {character, draw, light_name(part)}, [](std::size_t) {},
         [&](std::size_t level) { gather(passes, character, level); });
   }
 
@@ -153,7 +161,7 @@ class TextureSpaceTransmit {
       if (thickness_ == "same-level") read_thickness(passes, character);
       transmit(passes, character, level);
     };
-    diffusion_.run(passes, character, draw, before, after);
+    diffusion_.run(passes, {character, draw, light_name(lit.part)}, before, after);
   }
 
   bool transmits(std::size_t level) const { return level >= first_transmitting_; }

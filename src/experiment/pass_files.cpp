@@ -1,0 +1,71 @@
+#include "experiment/pass_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <list>
+#include <vector>
+
+#include "core/image_io.h"
+#include "metrics/map_picture.h"
+
+namespace truescatter {
+namespace {
+
+using nlohmann::json;
+
+bool is_light(const NamedTexture& texture) { return texture.channels == "RGB"; }
+
+Image channel_of(const Image& image, int channel) {
+  Image one(image.width(), image.height(), 1);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) one.at(x, y, 0) = image.at(x, y, channel);
+  }
+  return one;
+}
+
+// The first three channels; 0 for those that there are not.
+Image as_rgb(const Image& image) {
+  Image rgb(image.width(), image.height(), 3);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      for (int c = 0; c < std::min(3, image.channels()); ++c) rgb.at(x, y, c) = image.at(x, y, c);
+    }
+  }
+  return rgb;
+}
+
+// The 99 % quantile of what is a number, rounded up so that pictures of alike textures share it; 1 where it
+// is not above 0.
+double white_of(const Image& image) {
+  std::vector<float> values;
+  std::copy_if(image.data().begin(), image.data().end(), std::back_inserter(values),
+               [](float value) { return std::isfinite(value); });
+  if (values.empty()) return 1.0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at > 0.0F ? round_range(*at) : 1.0;
+}
+
+void write_channels(const std::filesystem::path& path, const NamedTexture& texture) {
+  std::list<Image> images;
+  std::vector<ExrLayer> layers;
+  for (int c = 0; c < texture.image.channels(); ++c) {
+    images.push_back(channel_of(texture.image, c));
+    layers.push_back({std::string(1, texture.channels[static_cast<std::size_t>(c)]), &images.back()});
+  }
+  write_exr(path, layers);
+}
+
+}  // namespace
+
+json write_named_texture(const std::filesystem::path& folder, const std::string& stem,
+                         const NamedTexture& texture, double exposure) {
+  const std::string name = stem + "." + texture.name;
+  const double white = is_light(texture) ? 1.0 / exposure : white_of(texture.image);
+  write_channels(folder / (name + ".exr"), texture);
+  write_png(folder / (name + ".png"), display_picture(as_rgb(texture.image), 1.0 / white));
+  return {{"name", texture.name}, {"shows", texture.shows},           {"channels", texture.channels},
+          {"white", white},       {"exr", "passes/" + name + ".exr"}, {"png", "passes/" + name + ".png"}};
+}
+
+}  // namespace truescatter

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "methods/passes.h"
+
+namespace truescatter {
+
+// Writes a texture that a method has named to <stem>.<its name>.exr and .png in `folder`, which must be
+// there, and returns its entry for results.json. The EXR holds its numbers, a channel by each of its letters.
+// The PNG shows light as every picture of a run, by `exposure`; other numbers (the first channels as red,
+// green and blue) with the 99 % quantile of all of them, rounded up to 1, 2 or 5 times a power of ten, as
+// white. Throws Error (run) that names the file.
+nlohmann::json write_named_texture(const std::filesystem::path& folder, const std::string& stem,
+                                   const NamedTexture& texture, double exposure);
+
+}  // namespace truescatter
