@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -22,10 +23,13 @@ Given texture_settings(Given more) {
   return more;
 }
 
-// Every word of every setting of texture space, one at a time.
-std::vector<Given> all_texture_settings() {
+// The methods that work in texture space.
+constexpr std::array<const char*, 2> kTextureMethods = {"texture-space", "texture-space-transmit"};
+
+// Every word of every setting of such a method, one at a time.
+std::vector<Given> all_texture_settings(const char* method) {
   std::vector<Given> all;
-  for (const SettingSpec& setting : find_method("texture-space").settings) {
+  for (const SettingSpec& setting : find_method(method).settings) {
     for (const std::string_view word : setting.choices)
       all.push_back(texture_settings({{std::string(setting.name), std::string(word)}}));
   }
@@ -49,19 +53,26 @@ TEST(Characters, OutOfSightLeaveEachMethodsPictureAsItWasToTheBit) {
   const Mesh head = make_builtin("head", {{"edge_mm", 6.0}});
   const Light light = test::lamp({0.85, 0.35, 0.4});
   Camera camera = test::camera_at(600.0, 260.0, 96);
-  const Scene alone(test::shade(head, light), camera);
+  const std::vector<LightField> lights = {{test::lamp(light.direction, true), {}}};
+  const Scene alone(test::shade(head, light), camera, lights);
   // The one in view is the second: far from the first, at the place of the single one.
   const std::vector<CharacterPlace> places = {{Vec3d(3000.0, -2500.0, 0.0), 90.0}, {}};
-  const Scene two(test::shade(place_characters(head, places), light), camera);
+  const Scene two(test::shade(place_characters(head, places), light), camera, lights);
   ASSERT_EQ(two.shading().character_starts.size(), 2U);
   ASSERT_EQ(test::largest_difference(alone.images().irradiance, two.images().irradiance), 0.0);
   const Profile& profile = builtin_profiles().front();
-  for (const Given& given : all_texture_settings()) {
-    const Method& method = find_method("texture-space");
-    const Image expected = alone.run(method, profile, given);
-    EXPECT_GT(test::largest_difference(expected, alone.images().irradiance), 0.01);
-    EXPECT_EQ(test::largest_difference(two.run(method, profile, given), expected), 0.0) << described(given);
+  for (const char* name : kTextureMethods) {
+    for (const Given& given : all_texture_settings(name)) {
+      const Method& method = find_method(name);
+      const Image expected = alone.run(method, profile, given);
+      EXPECT_GT(test::largest_difference(expected, alone.images().irradiance), 0.01);
+      EXPECT_EQ(test::largest_difference(two.run(method, profile, given), expected), 0.0)
+          << name << " " << described(given);
+    }
   }
+  // Light comes through, so that what is compared is there.
+  const auto picture = [&](const char* name) { return alone.run(find_method(name), profile); };
+  EXPECT_GT(test::largest_difference(picture(kTextureMethods[0]), picture(kTextureMethods[1])), 0.01);
   const Method& screen = find_method("pscbf");
   EXPECT_EQ(test::largest_difference(two.run(screen, profile), alone.run(screen, profile)), 0.0);
 }
@@ -75,39 +86,49 @@ Scene two_squares(double first_light, double second_light) {
     for (Vec3d& value : shading.triangles[t].irradiance)
       value.setConstant(t < shading.character_starts[1] ? first_light : second_light);
   }
-  return {std::move(shading), test::camera_at(400.0, 80.0, 80)};
+  return {std::move(shading), test::camera_at(400.0, 80.0, 80), {{test::lamp(Vec3d::UnitZ(), true), {}}}};
+}
+
+// Whether a square of even light keeps it: black gutters darken it from its edge, and the published taps sum
+// to 1.001.
+bool keeps_constant(const Given& given) {
+  const auto is = [&](const char* name, const char* word) {
+    const auto found = given.find(name);
+    return found != given.end() && std::get<std::string>(found->second) == word;
+  };
+  return !is("gutter", "none") && !is("taps", "seven-published");
+}
+
+// Of a scene of two squares, one dark, the other lit by 1: neither gets anything of the other's.
+void expect_no_leak(const Scene& scene, bool first_is_lit, const char* method, const Given& given) {
+  const Image numbers = numbers_of(scene);
+  const Image picture = scene.run(find_method(method), builtin_profiles().front(), given);
+  int dark = 0;
+  int lit = 0;
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      if (numbers.at(x, y, 0) == 0.0F) continue;
+      if ((numbers.at(x, y, 0) == 1.0F) == first_is_lit) {
+        ++lit;
+        // The method's own limit on constant light.
+        if (!keeps_constant(given)) continue;
+        ASSERT_NEAR(picture.rgb(x, y).x(), 1.0, 1e-5) << method << described(given);
+      } else {
+        ++dark;
+        ASSERT_EQ(picture.rgb(x, y), Vec3d::Zero()) << method << described(given) << x << " " << y;
+      }
+    }
+  }
+  EXPECT_GE(dark, 29 * 29);
+  EXPECT_GE(lit, 29 * 29);
 }
 
 TEST(Characters, DoNotLeakThroughTheUvMapThatTheyShare) {
   for (const bool first_is_lit : {true, false}) {
     const Scene scene = two_squares(first_is_lit ? 1.0 : 0.0, first_is_lit ? 0.0 : 1.0);
-    const Image numbers = numbers_of(scene);
-    for (const Given& given : all_texture_settings()) {
-      const Image picture = scene.run(find_method("texture-space"), builtin_profiles().front(), given);
-      // Black gutters darken a lit chart from its edge, and the published taps sum to 1.001.
-      const auto is = [&](const char* name, const char* word) {
-        const auto found = given.find(name);
-        return found != given.end() && std::get<std::string>(found->second) == word;
-      };
-      const bool keeps_constant = !is("gutter", "none") && !is("taps", "seven-published");
-      int dark = 0;
-      int lit = 0;
-      for (int y = 0; y < picture.height(); ++y) {
-        for (int x = 0; x < picture.width(); ++x) {
-          if (numbers.at(x, y, 0) == 0.0F) continue;
-          if ((numbers.at(x, y, 0) == 1.0F) == first_is_lit) {
-            ++lit;
-            // The method's own limit on constant light.
-            if (!keeps_constant) continue;
-            ASSERT_NEAR(picture.rgb(x, y).x(), 1.0, 1e-5) << described(given);
-          } else {
-            ++dark;
-            ASSERT_EQ(picture.rgb(x, y), Vec3d::Zero()) << described(given) << x << " " << y;
-          }
-        }
-      }
-      EXPECT_GE(dark, 29 * 29);
-      EXPECT_GE(lit, 29 * 29);
+    for (const char* method : kTextureMethods) {
+      for (const Given& given : all_texture_settings(method))
+        expect_no_leak(scene, first_is_lit, method, given);
     }
   }
 }

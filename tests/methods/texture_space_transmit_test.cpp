@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/characters.h"
 #include "support/render.h"
 
 namespace truescatter {
@@ -259,6 +260,48 @@ TEST(TextureSpaceTransmit, LightsAddUp) {
     EXPECT_LE((added(together, x, 48) - first - second).cwiseAbs().maxCoeff(), kRounding);
     EXPECT_LE((added(followed, x, 48) - first).cwiseAbs().maxCoeff(), kRounding);
   }
+}
+
+// Two slabs 0.5 mm thick with one UV map, the first 1 mm behind the second and 30 mm to its right, so that it
+// stands in the light of the second's right half. In that half no light enters the second, and none comes out
+// of it, though the light meets the first there, at texture coordinates where the second is lit on its left
+// half. Both let their own light through whole, and the shadow's edge is that of the convolution, half of it
+// in the middle.
+TEST(TextureSpaceTransmit, LightThatEntersACharacterComesOutOfThatOneAlone) {
+  constexpr double kThicknessMm = 0.5;
+  const Mesh slab = make_builtin("slab", {{"size_mm", kSizeMm}, {"thickness_mm", kThicknessMm}});
+  const std::vector<CharacterPlace> places = {{Vec3d(30.0, 0.0, -1.0)}, {}};
+  ShadingMesh shading = test::shade(place_characters(slab, places), test::lamp(Vec3d::UnitZ()));
+  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
+    ShadingTriangle& triangle = shading.triangles[t];
+    double middle = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) middle += shading.corner(triangle, c).x();
+    const bool shadowed = t >= shading.character_starts[1] && middle > 0.0;
+    const bool lit = triangle.normals[0].z() < -0.5 && !shadowed;
+    for (Vec3d& value : triangle.irradiance) value.setConstant(lit ? 1.0 : 0.0);
+  }
+  constexpr int kWidePx = 130;  // of a millimetre
+  const Scene scene(std::move(shading), test::camera_at(300.0, kWidePx, kWidePx), {{from_behind(0.0), {}}});
+  const Image with = run(scene, "texture-space-transmit");
+  const Image without = run(scene, "texture-space");
+  const auto column = [](double x_mm) { return static_cast<int>(std::floor(x_mm)) + kWidePx / 2; };
+  const auto through = [&](double x_mm) {
+    return Vec3d(with.rgb(column(x_mm), kWidePx / 2) - without.rgb(column(x_mm), kWidePx / 2));
+  };
+  // Taps reach 3 (0.75 + 1.19 + 2.33) = 12.8 mm, and a texel of half a millimetre in each of three levels.
+  for (double x_mm = 16.0; x_mm < 29.0; x_mm += 1.0) EXPECT_EQ(through(x_mm), Vec3d::Zero()) << x_mm;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double s = kStdDevsMm[i];
+    const double fade = std::exp(-0.5 * kThicknessMm * kThicknessMm / (s * s));
+    const auto c = static_cast<Eigen::Index>(i);
+    EXPECT_NEAR(through(-15.0)[c], fade, rounding(i)) << "the second, " << s;
+    EXPECT_NEAR(through(41.0)[c], fade, rounding(i)) << "the first, " << s;
+  }
+  // The edge lies within half a texel of either map of x = 0 (0.25 and 0.03 mm), where a Gaussian's integral
+  // rises by 1 / (s sqrt(2 pi)); of seven taps by up to twice that.
+  const double s = kStdDevsMm[2];
+  const double fade = std::exp(-0.5 * kThicknessMm * kThicknessMm / (s * s));
+  EXPECT_NEAR(0.5 * (through(-0.5) + through(0.5)).z(), 0.5 * fade, 2.0 * 0.28 / (s * std::sqrt(2.0 * kPi)));
 }
 
 // On a small ball lit askew from behind every setting shows: its chart is stretched, and has a seam.
