@@ -31,7 +31,7 @@ class Eye {
     const Vec3d to_eye = camera_.eye_mm - p;
     const double distance = to_eye.norm();
     const Vec3d direction = to_eye / distance;
-    const double offset = rays_.offset_mm();
+    const double offset = rays_.largest_offset_mm();
     return distance <= offset || !rays_.occluded(p + offset * direction, direction, distance - offset);
   }
 

@@ -40,6 +40,16 @@ RTCRay ray_between(const Vec3d& origin_mm, const Vec3d& direction, double near_m
   return ray;
 }
 
+// Of the triangles of one character: see ShadowScene::offset_mm.
+double offset_of(const Mesh& mesh, std::size_t first, std::size_t end) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t t = first; t < end; ++t) {
+    for (int c = 0; c < 3; ++c) box.extend(mesh.corner(t, c));
+  }
+  const double largest_coordinate_mm = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  return std::max(1e-4 * box.sizes().maxCoeff(), 1e-6 * largest_coordinate_mm);
+}
+
 }  // namespace
 
 struct ShadowScene::Handles {
@@ -55,10 +65,11 @@ struct ShadowScene::Handles {
   }
 };
 
-ShadowScene::ShadowScene(const Mesh& mesh) : handles_(std::make_unique<Handles>()) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3d& p : mesh.positions_mm) box.extend(p);
-  offset_mm_ = 1e-4 * box.sizes().maxCoeff();
+ShadowScene::ShadowScene(const Mesh& mesh)
+    : handles_(std::make_unique<Handles>()),
+      triangles_per_character_(mesh.triangle_count() / mesh.characters) {
+  for (std::size_t i = 0; i < mesh.characters; ++i)
+    offsets_mm_.push_back(offset_of(mesh, i * triangles_per_character_, (i + 1) * triangles_per_character_));
 
   handles_->device = rtcNewDevice(nullptr);
   if (handles_->device == nullptr) throw_run_error("Embree: cannot create a device");
@@ -89,6 +100,10 @@ ShadowScene::~ShadowScene() = default;
 ShadowScene::ShadowScene(ShadowScene&&) noexcept = default;
 ShadowScene& ShadowScene::operator=(ShadowScene&&) noexcept = default;
 
+double ShadowScene::largest_offset_mm() const {
+  return *std::max_element(offsets_mm_.begin(), offsets_mm_.end());
+}
+
 bool ShadowScene::occluded(const Vec3d& origin_mm, const Vec3d& direction, double distance_mm) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -101,12 +116,14 @@ bool ShadowScene::crossed_between(const Vec3d& from_mm, std::size_t from, const 
                                   std::size_t to) const {
   const Vec3d way = to_mm - from_mm;
   const double length_mm = way.norm();
-  if (length_mm <= 2.0 * offset_mm_) return false;
+  const double near_mm = offset_mm(from);
+  const double far_mm = length_mm - offset_mm(to);
+  if (far_mm <= near_mm) return false;
   PassingContext passing{};
   rtcInitIntersectContext(&passing.context);
   passing.context.filter = pass_through;
   passing.passed = {static_cast<unsigned>(from), static_cast<unsigned>(to)};
-  RTCRay ray = ray_between(from_mm, way / length_mm, offset_mm_, length_mm - offset_mm_);
+  RTCRay ray = ray_between(from_mm, way / length_mm, near_mm, far_mm);
   rtcOccluded1(handles_->scene, &passing.context, &ray);
   return ray.tfar < 0.0F;
 }

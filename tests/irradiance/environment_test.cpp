@@ -227,7 +227,7 @@ TEST(EnvironmentIrradiance, EqualsAMonteCarloIntegralOfTheSameLight) {
   for (int i = 0; i < kPoints; ++i) {
     const MeshPoint point{generator() % wedge.triangle_count(), test::random_barycentric(generator)};
     const Vec3d normal = interpolated_normal(wedge, point);
-    const Vec3d origin = position_mm(wedge, point) + shadows.offset_mm() * normal;
+    const Vec3d origin = position_mm(wedge, point) + shadows.offset_mm(point.triangle) * normal;
     const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vec3d::UnitZ(), normal);
     Vec3d sum = Vec3d::Zero();
     Vec3d sum2 = Vec3d::Zero();

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <map>
+#include <span>
+#include <vector>
 
 #include "scene/builtin.h"
 #include "scene/characters.h"
@@ -276,6 +279,37 @@ TEST(ShadingMesh, CharactersCastShadowsOntoOneAnotherAndLieOneAfterTheOther) {
       } else if (x > -4.6 && std::abs(shading.corner(triangle, c).y()) < 10.0) {
         EXPECT_EQ(triangle.irradiance[c], Vec3d::Zero());
       }
+    }
+  }
+}
+
+// The largest difference of two meshes' irradiance at a corner, or infinity where they are not refined alike.
+double largest_irradiance_difference(std::span<const ShadingTriangle> a, std::span<const ShadingTriangle> b) {
+  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
+  double largest = 0.0;
+  for (std::size_t t = 0; t < a.size(); ++t) {
+    for (std::size_t c = 0; c < 3; ++c)
+      largest = std::max(largest, (a[t].irradiance[c] - b[t].irradiance[c]).cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
+// A character that neither shades another nor is shaded by it leaves its shadows as they are, to the bit,
+// however far away it stands and whichever comes first: where a ray starts does not depend on what else the
+// scene holds.
+TEST(ShadingMesh, ADistantCharacterChangesNothing) {
+  const Mesh head = make_builtin("head", {{"edge_mm", 6.0}});
+  const Light light = lamp(Vec3d(0.85, 0.35, 0.4));
+  const ShadingMesh alone = shade(head, light);
+  for (const double away_mm : {500.0, 20000.0}) {
+    const CharacterPlace away{Vec3d(0.0, -away_mm, 0.4 * away_mm), 50.0};
+    for (const std::size_t own : {0, 1}) {
+      const std::vector<CharacterPlace> places =
+          own == 0 ? std::vector<CharacterPlace>{{}, away} : std::vector<CharacterPlace>{away, {}};
+      const ShadingMesh two = shade(place_characters(head, places), light);
+      EXPECT_EQ(largest_irradiance_difference(alone.character_triangles(0), two.character_triangles(own)),
+                0.0)
+          << away_mm;
     }
   }
 }

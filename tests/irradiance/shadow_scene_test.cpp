@@ -54,5 +54,30 @@ TEST(ShadowScene, CrossesWhatLiesBetweenTwoOfItsPoints) {
   }
 }
 
+// A ball lies on one side of each of its facets, so no ray that starts above a facet and goes up from it
+// meets the ball, wherever it stands: 1e5 mm from the origin single precision rounds coordinates by 0.004 mm,
+// and the ball's own 1e-4 would be 0.002.
+TEST(ShadowScene, ABallDoesNotShadeItselfFarFromTheOrigin) {
+  Mesh ball = make_builtin("sphere", {{"radius_mm", 10.0}, {"edge_mm", 2.0}});
+  for (const double away_mm : {0.0, 1e5}) {
+    Mesh moved = ball;
+    for (Vec3d& p : moved.positions_mm) p += Vec3d(away_mm, -away_mm, away_mm);
+    const ShadowScene scene(moved);
+    int shaded = 0;
+    for (std::size_t t = 0; t < moved.triangle_count(); ++t) {
+      const Vec3d normal = (moved.corner(t, 1) - moved.corner(t, 0))
+                               .cross(moved.corner(t, 2) - moved.corner(t, 0))
+                               .normalized();
+      const Vec3d along = (moved.corner(t, 1) - moved.corner(t, 0)).normalized();
+      const Vec3d origin = position_mm(moved, {t, Vec3d::Constant(1.0 / 3.0)}) + scene.offset_mm(t) * normal;
+      for (const double sine : {0.05, 0.3, 1.0}) {
+        const Vec3d up = sine * normal + std::sqrt(1.0 - sine * sine) * along;
+        if (scene.occluded(origin, up, std::numeric_limits<double>::infinity())) ++shaded;
+      }
+    }
+    EXPECT_EQ(shaded, 0) << away_mm;
+  }
+}
+
 }  // namespace
 }  // namespace truescatter
