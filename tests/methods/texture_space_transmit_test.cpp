@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "scene/characters.h"
 #include "support/render.h"
@@ -302,6 +305,52 @@ TEST(TextureSpaceTransmit, LightThatEntersACharacterComesOutOfThatOneAlone) {
   const double s = kStdDevsMm[2];
   const double fade = std::exp(-0.5 * kThicknessMm * kThicknessMm / (s * s));
   EXPECT_NEAR(0.5 * (through(-0.5) + through(0.5)).z(), 0.5 * fade, 2.0 * 0.28 / (s * std::sqrt(2.0 * kPi)));
+}
+
+// Each character's levels of each light are named apart while they are there, unblurred first; a light that
+// falls on one character is in that one's textures alone.
+TEST(TextureSpaceTransmit, NamesTheLevelsOfEachCharacterAndLight) {
+  const Mesh slab = make_builtin("slab", {{"size_mm", kSizeMm}, {"thickness_mm", 1.0}});
+  const std::vector<CharacterPlace> places = {{Vec3d(-40.0, 0.0, 0.0)}, {Vec3d(40.0, 0.0, 0.0)}};
+  ShadingMesh shading = test::shade(place_characters(slab, places), test::lamp(Vec3d::UnitZ()));
+  constexpr std::array<double, 2> kLight = {1.0, 0.5};  // of the light that is a character's
+  std::array<CornerIrradiance, 2> fields;
+  for (CornerIrradiance& field : fields) field.resize(shading.triangles.size());
+  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
+    const std::size_t own = t < shading.character_starts[1] ? 0 : 1;
+    for (std::size_t c = 0; c < 3; ++c) {
+      shading.triangles[t].irradiance[c].setConstant(kLight[own]);
+      fields[own][t][c].setConstant(kLight[own]);
+      fields[1 - own][t][c].setZero();
+    }
+  }
+  const std::vector<LightField> lights = {{from_behind(0.0), fields[0]}, {from_behind(20.0), fields[1]}};
+  const Camera camera = test::camera_at(300.0, 160.0, 64);
+  const SurfaceBuffers buffers(Scene::context(), shading, lights);
+  const Frame frame = render_frame(Scene::context(), buffers, shading, camera);
+  const Method& method = find_method("texture-space-transmit");
+  const Settings settings(method.name, method.settings, {{"texture_size", 64.0}});
+  const Profile profile = one_gaussian_a_channel();
+  const PreparedMethod prepared =
+      method.prepare({Scene::context(), frame, buffers, 300.0, profile, settings});
+  Passes passes(Scene::context());
+  std::map<std::string, Image> named;
+  passes.record([&] { prepared.render(passes); },
+                [&](const NamedTexture& texture) { named[texture.name] = texture.image; });
+  EXPECT_EQ(named.size(), 2U * 2U * (1U + kStdDevsMm.size() + 1U));
+  for (const int character : {1, 2}) {
+    for (const int light : {1, 2}) {
+      const std::string of = "character-" + std::to_string(character) + "-light-" + std::to_string(light);
+      EXPECT_TRUE(named.contains(of + "-stretch-0"));
+      const double expected = character == light ? kLight[static_cast<std::size_t>(light - 1)] : 0.0;
+      for (std::size_t level = 0; level <= kStdDevsMm.size(); ++level) {
+        const std::string name = of + "-level-" + std::to_string(level);
+        ASSERT_TRUE(named.contains(name)) << name;
+        // Even light, filled gutters: all of the map, to the method's limit on constant light.
+        for (const float value : named.at(name).data()) ASSERT_NEAR(value, expected, 1e-5) << name;
+      }
+    }
+  }
 }
 
 // On a small ball lit askew from behind every setting shows: its chart is stretched, and has a seam.
