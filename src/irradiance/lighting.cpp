@@ -94,8 +94,8 @@ Vec3d Lighting::irradiance(std::span<const MeshPoint> place) const {
 
 Vec3d Lighting::irradiance(const MeshPoint& point, const Vec3d& normal) const {
   const Vec3d position = position_mm(mesh_, point);
-  const Vec3d origin =
-      lifted_position(mesh_, point, position) + shadows_.offset_mm(point.triangle) * interpolated_normal(mesh_, point);
+  const Vec3d origin = lifted_position(mesh_, point, position) +
+                       shadows_.offset_mm(point.triangle) * interpolated_normal(mesh_, point);
   Vec3d sum = Vec3d::Zero();
   for (const Light& light : lights_) {
     Vec3d to_light = light.direction;
