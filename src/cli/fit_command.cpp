@@ -4,8 +4,10 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -52,6 +54,13 @@ void set_coefficients(const FitArguments& arguments, ProfileModelSpec& spec) {
   spec.sigma_a_per_mm = rgb(arguments.sigma_a, "sigma-a", "an absorption in 1/mm");
   spec.sigma_s_prime_per_mm = rgb(arguments.sigma_s_prime, "sigma-s-prime", "a reduced scattering in 1/mm");
   spec.eta = parse_finite(arguments.eta, option("eta"), "an index of refraction");
+  if (!(spec.eta > 1.0))
+    throw_input_error(option("eta"), "{}: an index of refraction must be above 1", arguments.eta);
+  if (spec.sigma_a_per_mm.minCoeff() < 0.0)
+    throw_input_error(option("sigma-a"), "\"{}\": an absorption must not be negative", arguments.sigma_a);
+  if (!(spec.sigma_s_prime_per_mm.minCoeff() > 0.0))
+    throw_input_error(option("sigma-s-prime"), "\"{}\": a reduced scattering must be above 0",
+                      arguments.sigma_s_prime);
 }
 
 ProfileModelSpec profile_of(const FitArguments& arguments) {
@@ -105,6 +114,8 @@ bool keeps_albedo(const FitArguments& arguments) {
 FitSpec fit_of(const FitArguments& arguments) {
   FitSpec fit;
   fit.where = option("gaussians");
+  fit.norm_where = option("norm");
+  fit.tolerance_where = option("tolerance");
   if (arguments.gaussians == "auto") {
     if (arguments.tolerance.empty())
       throw_input_error(option("tolerance"), "is missing: --gaussians auto finds the fewest that keep to it");
@@ -162,6 +173,35 @@ void refuse_with_score(const FitArguments& arguments) {
     refuse_with(*given, name, "goes with a fit, and --score fits nothing");
 }
 
+using FileTexts = std::vector<std::pair<std::filesystem::path, std::string>>;
+
+void check_outputs(const std::vector<std::filesystem::path>& paths) {
+  std::set<std::filesystem::path> seen;
+  for (const std::filesystem::path& path : paths) {
+    if (path.empty()) continue;
+    check_out(path);
+    if (!seen.insert(std::filesystem::weakly_canonical(path)).second)
+      throw_input_error({path.string()}, "is named twice: each output needs a file of its own");
+  }
+}
+
+// All of them or none: whole beside their places first, renamed when the last is there.
+void write_together(const FileTexts& files) {
+  std::vector<std::pair<std::filesystem::path, std::filesystem::path>> written;
+  try {
+    for (const auto& [path, text] : files) {
+      if (path.empty()) continue;
+      written.emplace_back(temporary_sibling(path), path);
+      write_text_file(written.back().first, text);
+    }
+  } catch (const Error&) {
+    std::error_code ignored;
+    for (const auto& [temporary, path] : written) std::filesystem::remove(temporary, ignored);
+    throw;
+  }
+  for (const auto& [temporary, path] : written) commit_temporary(temporary, path);
+}
+
 }  // namespace
 
 int fit(const FitArguments& arguments) {
@@ -177,8 +217,7 @@ int fit(const FitArguments& arguments) {
   } else {
     asked = fit_of(arguments);
   }
-  for (const std::filesystem::path& path : {arguments.out, arguments.glsl, arguments.cpp, arguments.svg})
-    if (!path.empty()) check_out(path);
+  check_outputs({arguments.out, arguments.glsl, arguments.cpp, arguments.svg});
   const DiffusionProfile profile = make_diffusion_profile(
       profile_of(arguments),
       [](const std::string& path, const SourceLocation&) { return std::filesystem::path(path); });
@@ -188,13 +227,11 @@ int fit(const FitArguments& arguments) {
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
 
   const std::string json = fit_json(profile, asked, found).dump(2) + "\n";
-  const std::vector<std::pair<std::filesystem::path, std::string>> files = {
-      {arguments.out, json},
-      {arguments.glsl, fit_glsl(profile, asked, found)},
-      {arguments.cpp, fit_cpp(profile, asked, found)},
-      {arguments.svg, arguments.svg.empty() ? "" : fit_plot_svg(json)}};
-  for (const auto& [path, text] : files)
-    if (!path.empty()) write_text_file(path, text);
+  const FileTexts files = {{arguments.out, json},
+                           {arguments.glsl, fit_glsl(profile, asked, found)},
+                           {arguments.cpp, fit_cpp(profile, asked, found)},
+                           {arguments.svg, arguments.svg.empty() ? "" : fit_plot_svg(json)}};
+  write_together(files);
   fmt::print("{}", fit_table(profile, asked, found));
   fmt::print("{} in {:.0f} ms\n", scores ? "scored" : "fitted", took.count());
   for (const auto& [path, text] : files)

@@ -111,14 +111,16 @@ struct FitSpec {
   std::string file;              // a FIT.json; empty: the following
   int gaussians = 0;             // 0: the fewest that keep to the tolerance
   double tolerance = 0.0;        // of the worst channel in the norm
-  std::string norm = "r";        // | area | r2
+  std::string norm = "r";        // | area (the default for Burley, whose r is not finite) | r2
   bool nonnegative = true;       // weights
   bool keep_albedo = false;      // weights sum to the profile's albedo
   bool shared_variances = true;  // one set for all channels
   std::optional<double> min_variance_mm2;
   std::optional<double> max_variance_mm2;
   int seed = 1;
-  SourceLocation where;
+  SourceLocation where;  // and what else an error may be about
+  SourceLocation norm_where;
+  SourceLocation tolerance_where;
 };
 
 // A profile by its built-in name, spelled out, or fitted.

@@ -232,17 +232,16 @@ ProfileModelSpec read_profile_model(TomlTable table, bool fitted) {
   const bool has_truth = of.model.ends_with("dipole") || of.thickness_mm > 0.0;
   of.truth = table.flag("truth", has_truth);
   if (of.truth && !has_truth) {
-    table.fail("truth",
-               fmt::format("'profile.of.truth': there is no truth of a {} itself, only of dipoles and "
-                           "single slabs",
-                           of.model == "multipole" ? "stack of layers" : of.model));
+    table.fail("truth", fmt::format("'profile.of.truth': a {} has no truth of its own here, only dipoles and "
+                                    "single slabs",
+                                    of.model == "multipole" ? "stack of layers" : of.model));
   }
   of.tolerance = table.number("tolerance", of.tolerance, 1e-12, 0.1);
   table.finish();
   return of;
 }
 
-FitSpec read_fit_spec(TomlTable table) {
+FitSpec read_fit_spec(TomlTable table, const std::string& model) {
   FitSpec fit;
   fit.where = table.where();
   fit.file = table.text("file", "");
@@ -262,7 +261,9 @@ FitSpec read_fit_spec(TomlTable table) {
     if (table.has("tolerance"))
       table.fail("tolerance", "'profile.fit.tolerance' goes with gaussians = \"auto\"");
   }
-  fit.norm = table.one_of("norm", fit.norm, {"r", "area", "r2"});
+  fit.norm = table.one_of("norm", model == "burley" ? "area" : "r", {"r", "area", "r2"});
+  fit.norm_where = table.where("norm");
+  fit.tolerance_where = table.where("tolerance");
   fit.nonnegative = table.one_of("weights", "non-negative", {"non-negative", "free"}) == "non-negative";
   fit.keep_albedo = table.one_of("energy", "free", {"free", "albedo"}) == "albedo";
   fit.shared_variances = table.one_of("variances", "shared", {"shared", "per-channel"}) == "shared";
@@ -280,7 +281,7 @@ ProfileSpec read_profile(TomlTable table) {
   check_file_name(table, "name", "profile.name", profile.name);
   if (table.has("of")) profile.of = read_profile_model(table.table("of"), table.has("fit"));
   if (table.has("fit")) {
-    profile.fit = read_fit_spec(table.table("fit"));
+    profile.fit = read_fit_spec(table.table("fit"), profile.of ? profile.of->model : "");
     if (profile.fit->file.empty() && !profile.of) {
       table.fail("fit", "'profile.fit' needs [profile.of], which says what is fitted, or the file of a fit");
     }

@@ -133,9 +133,11 @@ json fit_json(const DiffusionProfile& profile, const FitSpec& asked, const Gauss
   }
   for (const FitNorm norm : kFitNorms) {
     json& errors = object["error"][std::string(name_of(norm))];
-    for (const FitErrors& channel : fit.errors) {
-      const std::optional<double> error = channel.in(norm);
-      errors.push_back(error ? json(*error) : json());
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::optional<double> error = fit.errors[c].in(norm);
+      const bool dark = is_dark(fit, c);
+      errors.push_back(error && !dark ? json(*error) : json());
+      if (dark) object["error_note"] = "the sum has no Gaussian in a channel";
       if (!error) object["error_note"] = "the norm r is not finite: the profile goes as 1/r at 0";
     }
   }

@@ -66,15 +66,20 @@ std::string fit_table(const DiffusionProfile& profile, const FitSpec& asked, con
   text += fmt::format("{:>28}{:>12.6f}{:>12.6f}{:>12.6f}\n\n", "profile's albedo", albedo[0], albedo[1],
                       albedo[2]);
   text += fmt::format("{:<28}{:>12}{:>12}{:>12}\n", "relative error, %", "r", "g", "b");
-  const char* meanings[] = {"r    sqrt(int r e^2)", "area int |e| r", "r2   sqrt(int r^2 e^2)"};
+  const char* meanings[] = {"r    sqrt(int r e^2)", "area int |e| r, all r", "r2   sqrt(int r^2 e^2)"};
   for (std::size_t i = 0; i < 3; ++i) {
     text += fmt::format("{:<28}", meanings[i]);
-    for (const FitErrors& channel : fit.errors) text += percent(channel.in(kFitNorms[i]));
+    for (std::size_t c = 0; c < 3; ++c) {
+      text +=
+          is_dark(fit, c) ? fmt::format("{:>12}", "no Gaussian") : percent(fit.errors[c].in(kFitNorms[i]));
+    }
     text += "\n";
   }
-  text += fmt::format("{:<28}", "over r, mm");
-  for (const FitTarget& target : profile.fit_targets())
-    text += fmt::format("{:>12}", fmt::format("{:.2g}..{:.3g}", target.r_min_mm, target.r_max_mm));
+  const std::array<FitTarget, 3> targets = profile.fit_targets();
+  text += fmt::format("{:<28}", "over r from, mm");
+  for (const FitTarget& target : targets) text += fmt::format("{:>12.3g}", target.r_min_mm);
+  text += fmt::format("\n{:<28}", "         to, mm");
+  for (const FitTarget& target : targets) text += fmt::format("{:>12.3g}", target.r_max_mm);
   return text + "\n";
 }
 

@@ -49,7 +49,11 @@ ChannelProfile homogeneous(const ProfileModelSpec& spec, const Medium& medium) {
   if (spec.model == "classical-dipole") return classical_dipole(medium);
   if (spec.model == "better-dipole") return better_dipole(medium);
   if (spec.model == "burley") return burley(medium, scaling_of(spec));
-  return multipole(medium, spec.thickness_mm, SlabSide::lit);
+  if (spec.truth) return multipole(medium, spec.thickness_mm, SlabSide::lit);
+  // The same in closed form, however many images matter.
+  require_valid(medium);
+  require_thick(medium, spec.thickness_mm, "slab");
+  return LayeredProfile({{medium, spec.thickness_mm}});
 }
 
 std::array<ChannelProfile, 3> stacks_of(const std::array<std::vector<Layer>, 3>& layers) {
@@ -131,7 +135,9 @@ std::array<FitTarget, 3> DiffusionProfile::fit_targets() const {
   const auto target = [](const ChannelProfile& channel) {
     return std::visit([](const auto& p) { return fit_target(p); }, channel);
   };
-  return {target(channels[0]), target(channels[1]), target(channels[2])};
+  std::array<FitTarget, 3> targets = {target(channels[0]), target(channels[1]), target(channels[2])};
+  share_domain(targets);
+  return targets;
 }
 
 DiffusionProfile make_diffusion_profile(const ProfileModelSpec& stated, const FindFile& find_file) {
@@ -149,8 +155,12 @@ GaussianFit fit_profile(const DiffusionProfile& profile, const FitSpec& fit) {
   options.min_variance_mm2 = fit.min_variance_mm2;
   options.max_variance_mm2 = fit.max_variance_mm2;
   options.seed = static_cast<std::uint64_t>(fit.seed);
-  return located(fit.where, [&] {
-    const std::array<FitTarget, 3> targets = profile.fit_targets();
+  const std::array<FitTarget, 3> targets = profile.fit_targets();
+  if (options.norm == FitNorm::r && !targets[0].square_integrable) {
+    throw_input_error(fit.norm_where,
+                      "the norm r is not finite for a profile that goes as 1/r at 0: use area or r2");
+  }
+  return located(fit.gaussians > 0 ? fit.where : fit.tolerance_where, [&] {
     return fit.gaussians > 0 ? fit_gaussians(targets, fit.gaussians, options)
                              : fit_to_tolerance(targets, fit.tolerance, options);
   });

@@ -26,7 +26,7 @@ struct DiffusionProfile {
   // What a reader calls it: "classical dipole of skin1".
   std::string title() const;
   Vec3d albedo() const;  // of the profile itself: what a plane under irradiance 1 sends back
-  std::array<FitTarget, 3> fit_targets() const;
+  std::array<FitTarget, 3> fit_targets() const;  // over one domain: share_domain
 };
 
 // Finds the file that a path in a spec stands for. Throws Error (input) at `where`.

@@ -100,8 +100,9 @@ AreaError area_error(const FitTarget& target, std::span<const RadialNode> nodes,
     return end;
   };
   AtEnd before = at(ends.front());
-  for (std::size_t j = 1; j < ends.size(); ++j) {
-    AtEnd here = at(ends[j]);
+  const AtEnd nowhere{0.0, VectorXd::Zero(count), VectorXd::Zero(count)};  // infinitely far
+  for (std::size_t j = 1; j <= ends.size(); ++j) {
+    AtEnd here = j < ends.size() ? at(ends[j]) : nowhere;
     const double light = here.antiderivative - before.antiderivative;
     const double sign = light < 0.0 ? -1.0 / whole : 1.0 / whole;
     error.relative += sign * light;

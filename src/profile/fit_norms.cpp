@@ -94,7 +94,7 @@ std::vector<RadialNode> radial_nodes(const FitTarget& target, double per_unit) {
 
 std::vector<double> stretches_of_one_sign(const FitTarget& target, std::span<const RadialNode> nodes,
                                           const std::function<double(double)>& function) {
-  std::vector<double> ends = {target.r_min_mm};
+  std::vector<double> ends = {0.0};
   double last_radius = nodes.front().radius_mm;
   double last_value = function(last_radius);
   for (const RadialNode& node : nodes) {
@@ -115,7 +115,7 @@ std::vector<double> stretches_of_one_sign(const FitTarget& target, std::span<con
 
 double absolute_light(const FitTarget& target, std::span<const RadialNode> nodes) {
   const std::vector<double> ends = stretches_of_one_sign(target, nodes, target.value);
-  double light = 0.0;
+  double light = std::abs(target.antiderivative(ends.back()));
   for (std::size_t i = 1; i < ends.size(); ++i)
     light += std::abs(target.antiderivative(ends[i]) - target.antiderivative(ends[i - 1]));
   return light;

@@ -11,12 +11,14 @@
 
 namespace truescatter {
 
-// The relative errors of a sum of Gaussians S against a profile R, over the target's domain:
+// The relative errors of a sum of Gaussians S against a profile R, the quadratic ones over the target's
+// domain:
 //
 //   r     sqrt(int r (R - S)^2 dr / int r R^2 dr)         as d'Eon & Luebke 2007 state theirs; not finite for
 //                                                         a profile that goes as 1/r at 0
-//   area  int |R - S| 2 pi r dr / int |R| 2 pi r dr       bounds, per albedo, the error of the convolution of
-//                                                         a plane with any irradiance in [0, 1]
+//   area  int |R - S| 2 pi r dr / int |R| 2 pi r dr       over all radii: times the albedo it bounds the
+//   error
+//                                                         of convolving any irradiance in [0, 1] on a plane
 //   r2    sqrt(int r^2 (R - S)^2 dr / int r^2 R^2 dr)     the tail weighs more
 enum class FitNorm { r, area, r2 };
 
@@ -46,11 +48,12 @@ struct RadialNode {
 };
 std::vector<RadialNode> radial_nodes(const FitTarget& target, double per_unit);
 
-// r_min_mm, the zeros of a function that part neighbouring nodes, and r_max_mm.
+// 0, the zeros of a function that part neighbouring nodes, and r_max_mm. (Within the first node and beyond
+// r_max_mm lie less light than tolerances, or a table's constant and nothing: no sign changes there.)
 std::vector<double> stretches_of_one_sign(const FitTarget& target, std::span<const RadialNode> nodes,
                                           const std::function<double(double)>& function);
 
-// int |R| r dr over the domain, by the antiderivative between the zeros of R.
+// int |R| r dr over all radii, by the antiderivative between the zeros of R, which is 0 at infinity.
 double absolute_light(const FitTarget& target, std::span<const RadialNode> nodes);
 
 struct FitErrors {

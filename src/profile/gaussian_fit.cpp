@@ -21,17 +21,18 @@ using Eigen::VectorXd;
 
 constexpr int kMostGaussians = 16;
 // Quadratic norms are smooth integrands: radial_nodes says how good this is. The area norm has kinks.
-constexpr double kNodesPerUnit = 7.0;
+constexpr double kNodesPerUnit = 6.0;
 constexpr double kNodesPerUnitOfArea = 16.0;
 constexpr double kLeastGap = 0.05;  // of log variance, between neighbours
 constexpr double kLeastGapOfFreeWeights = 0.22;
 // An added Gaussian that lowers the cost by less, relatively, adds nothing.
-constexpr double kLeastGain = 1e-6;
+constexpr double kLeastGain = 1e-4;
 constexpr int kPlacesToTry = 64;
 // That are followed to the end. The area norm has more least costs close to each other.
 constexpr std::size_t kLeads = 2;
 constexpr std::size_t kLeadsInArea = 6;
-constexpr Effort kToSeeWhere{30, 1e-4};
+constexpr Effort kToSeeWhere{15, 1e-3};
+constexpr Effort kToSeeWhereInArea{30, 1e-4};
 constexpr Effort kToTheEnd{200, 1e-13};
 
 // By how much one more Gaussian at each place would lower the cost at first order, for its length.
@@ -45,6 +46,7 @@ std::vector<double> gains(const FitProblem& problem, const std::vector<double>& 
             : solve_weights(design_of(channel, log_variances), channel.data, channel.rules).residual;
     for (std::size_t i = 0; i < places.size(); ++i) {
       const VectorXd column = gaussian_column(channel, places[i]);
+      if (!(column.norm() > kVanishing)) continue;  // too narrow for this channel's nodes
       const double along = column.dot(residual) / column.norm();
       if (along > 0.0 || !channel.rules.nonnegative) gain[i] += along * along;
     }
@@ -133,11 +135,11 @@ FitChannel channel_data(const FitTarget& target, const FitOptions& options) {
 FitProblem make_problem(std::span<const FitTarget> targets, const FitOptions& options) {
   FitProblem problem{{}, {0.0, 0.0}, options.nonnegative ? kLeastGap : kLeastGapOfFreeWeights};
   double narrowest_mm = std::numeric_limits<double>::infinity();
-  double longest_mm = 0.0;
+  double widest_mm = 0.0;
   for (const FitTarget& target : targets) {
     problem.channels.push_back(channel_data(target, options));
     narrowest_mm = std::min(narrowest_mm, target.narrowest_mm);
-    longest_mm = std::max(longest_mm, target.r_max_mm);
+    widest_mm = std::max(widest_mm, target.widest_mm);
   }
   const double least_mm2 = narrowest_mm * narrowest_mm;
   const double low_mm2 = options.min_variance_mm2.value_or(least_mm2);
@@ -145,8 +147,7 @@ FitProblem make_problem(std::span<const FitTarget> targets, const FitOptions& op
     throw_input_error({}, "a least variance of {} mm^2 is below what the profile resolves, {:.3g} mm^2",
                       low_mm2, least_mm2);
   }
-  // One that is wider is flat over the whole profile.
-  const double high_mm2 = options.max_variance_mm2.value_or(std::pow(0.5 * longest_mm, 2));
+  const double high_mm2 = options.max_variance_mm2.value_or(widest_mm * widest_mm);
   problem.log_variance = {std::log(low_mm2), std::log(high_mm2)};
   return problem;
 }
@@ -208,7 +209,8 @@ class Growth {
   // All are followed until it is clear where they lead, the most promising to the end.
   FoundSum best_of(const std::vector<std::vector<double>>& starts) const {
     std::vector<FoundSum> leads;
-    for (const std::vector<double>& start : starts) leads.push_back(descend(problem_, start, kToSeeWhere));
+    const Effort effort = options_.norm == FitNorm::area ? kToSeeWhereInArea : kToSeeWhere;
+    for (const std::vector<double>& start : starts) leads.push_back(descend(problem_, start, effort));
     std::sort(leads.begin(), leads.end(),
               [](const FoundSum& a, const FoundSum& b) { return a.cost < b.cost; });
     leads.resize(std::min(leads.size(), options_.norm == FitNorm::area ? kLeadsInArea : kLeads));
@@ -232,8 +234,7 @@ bool helps(const FoundSum& before, const FoundSum& after) {
   return before.cost > kNothingLeft && after.cost < before.cost * (1.0 - kLeastGain);
 }
 
-// The best sums of 1, 2, ... up to one that `is_enough`  or until one more
-// does not help.
+// The best sums of 1, 2, ... up to one that `is_enough`, or until one more does not help.
 struct Grown {
   FoundSum found;
   bool enough = false;
@@ -346,6 +347,12 @@ double GaussianFit::worst(FitNorm norm) const {
   double worst = 0.0;
   for (const FitErrors& channel : errors) worst = std::max(worst, channel.in(norm).value_or(0.0));
   return worst;
+}
+
+bool is_dark(const GaussianFit& fit, std::size_t channel) {
+  return std::all_of(fit.levels.begin(), fit.levels.end(), [&](const GaussianLevel& level) {
+    return level.weight[static_cast<Index>(channel)] == 0.0;
+  });
 }
 
 GaussianFit fit_gaussians(const std::array<FitTarget, 3>& targets, int gaussians, const FitOptions& options) {

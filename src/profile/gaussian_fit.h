@@ -29,6 +29,9 @@ struct GaussianFit {
   double worst(FitNorm norm) const;   // of the channels
 };
 
+// Whether a sum has no weight in a channel, as a published one that is of another channel alone.
+bool is_dark(const GaussianFit& fit, std::size_t channel);
+
 // The sum of `gaussians` Gaussians (for each channel, where variances are not shared) that is nearest to the
 // profile in the norm: the least sum over channels of the squared relative errors (of the relative errors,
 // for the area norm).

@@ -77,8 +77,7 @@ double ImageSources::shortest_length_mm() const {
 ImageSources classical_dipole(const Medium& medium) {
   require_valid(medium);
   const double diffusion_mm = medium.mean_free_path_mm() / 3.0;
-  const double reflected = classical_diffuse_reflectance(medium.eta);
-  const double a = (1.0 + reflected) / (1.0 - reflected);
+  const double a = extrapolation_factor(classical_diffuse_reflectance(medium.eta));
   const double real_mm = medium.mean_free_path_mm();
   return {std::sqrt(medium.sigma_a_per_mm / diffusion_mm),
           medium.reduced_albedo() / (4.0 * kPi),
@@ -110,12 +109,9 @@ ImageSources multipole(const Medium& medium, double thickness_mm, SlabSide side)
   const ImageSources dipole = classical_dipole(medium);
   const double real_mm = dipole.pairs().front().real_mm;
   const double boundary_mm = -0.5 * (dipole.pairs().front().virtual_mm + real_mm);  // z_b = 2 A D
-  if (!(thickness_mm > real_mm) || !std::isfinite(thickness_mm)) {
-    throw_input_error({},
-                      "the slab is {} mm thick: diffusion theory has no valid answer for one that is no "
-                      "thicker than its mean free path, {} mm",
-                      thickness_mm, real_mm);
-  }
+  require_thick(medium, thickness_mm, "slab");
+  if (!std::isfinite(thickness_mm))
+    throw_input_error({}, "the slab is {} mm thick: a thickness is finite", thickness_mm);
   const double period_mm = 2.0 * (thickness_mm + 2.0 * boundary_mm);
   const double images = std::ceil(kBelowRounding / (dipole.s_tr_per_mm() * period_mm));
   if (!(images <= kMostImages)) {

@@ -29,8 +29,7 @@ double diffuse_reflectance(double eta) {
 
 // 2 A D, where the fluence is extrapolated to 0.
 double extrapolation_mm(const Medium& medium, double eta_outside) {
-  const double reflected = diffuse_reflectance(medium.eta / eta_outside);
-  const double a = (1.0 + reflected) / (1.0 - reflected);
+  const double a = extrapolation_factor(diffuse_reflectance(medium.eta / eta_outside));
   return 2.0 * a * medium.mean_free_path_mm() / 3.0;
 }
 
@@ -61,14 +60,7 @@ double gamma_phase(double y) {
 // Of one layer by itself.
 void require_valid(const Layer& layer) {
   require_valid(layer.medium);
-  const double path_mm = layer.medium.mean_free_path_mm();
-  if (!(layer.thickness_mm > path_mm)) {
-    throw_input_error(
-        {},
-        "a layer is {} mm thick: diffusion theory has no valid answer for one that is no thicker "
-        "than its mean free path, {} mm",
-        layer.thickness_mm, path_mm);
-  }
+  require_thick(layer.medium, layer.thickness_mm, "layer");
 }
 
 void require_valid(const std::vector<Layer>& layers) {

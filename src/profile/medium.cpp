@@ -8,6 +8,9 @@
 namespace truescatter {
 namespace {
 
+constexpr double kMost = 1e9;
+constexpr double kLeast = 1e-9;
+
 // Halvings of the range of cosines: for eta near 1, where what is integrated is mostly rounding.
 constexpr unsigned kDeepest = 10;
 
@@ -28,7 +31,24 @@ void require_valid(const Medium& medium) {
     refuse("sigma_a (1/mm)", medium.sigma_a_per_mm, "0 or more, and finite");
   if (!(medium.sigma_s_prime_per_mm > 0.0) || !std::isfinite(medium.sigma_s_prime_per_mm))
     refuse("sigma_s' (1/mm)", medium.sigma_s_prime_per_mm, "above 0, and finite");
+  if (medium.sigma_a_per_mm > kMost) refuse("sigma_a (1/mm)", medium.sigma_a_per_mm, "at most 1e9");
+  if (medium.sigma_s_prime_per_mm > kMost || medium.sigma_s_prime_per_mm < kLeast)
+    refuse("sigma_s' (1/mm)", medium.sigma_s_prime_per_mm, "1e-9 to 1e9");
   if (!(medium.eta > 1.0) || !std::isfinite(medium.eta)) refuse("eta", medium.eta, "above 1, and finite");
+}
+
+void require_thick(const Medium& medium, double thickness_mm, std::string_view what) {
+  const double path_mm = medium.mean_free_path_mm();
+  if (thickness_mm > path_mm) return;
+  throw_input_error(
+      {},
+      "the {} is {} mm thick: diffusion theory has no valid answer for one that is no thicker than "
+      "its mean free path, {} mm",
+      what, thickness_mm, path_mm);
+}
+
+double extrapolation_factor(double diffuse_reflectance) {
+  return (1.0 + diffuse_reflectance) / (1.0 - diffuse_reflectance);
 }
 
 const std::vector<Material>& materials() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/vec.h"
@@ -20,8 +21,16 @@ struct Medium {
 };
 
 // Throws Error (input) that names the coefficient which is out of range or not finite, its value and the
-// rule.
+// rule. Coefficients are at most 1e9 / mm, and sigma_s' is 1e-9 / mm at least: no medium is beyond, and
+// squares keep their digits.
 void require_valid(const Medium& medium);
+
+// Throws Error (input) that calls the slab or layer `what` where it is no thicker than a mean free path:
+// diffusion theory has no valid answer then (transmittance would be negative).
+void require_thick(const Medium& medium, double thickness_mm, std::string_view what);
+
+// A = (1 + Fdr) / (1 - Fdr) of a relative index, in 2 A D: where the fluence is extrapolated to 0.
+double extrapolation_factor(double diffuse_reflectance);
 
 // The same for three channels, by name.
 struct Material {

@@ -14,6 +14,27 @@
 namespace truescatter {
 namespace {
 
+// Beyond these no one has measured, and squares lose their digits.
+constexpr double kLeastRadius_mm = 1e-9;
+constexpr double kMostRadius_mm = 1e9;
+constexpr double kLeastValue = 1e-40;
+constexpr double kMostValue = 1e40;
+
+// Of a table, by the name of its first column.
+struct Unit {
+  const char* column;
+  double mm;
+};
+
+// Millimetres unless the header's first cell says otherwise.
+Unit unit_of(const std::filesystem::path& path) {
+  const std::string text = read_text_file(path);
+  const std::string first = text.substr(0, text.find_first_of(",\r\n"));
+  if (first.ends_with("r_cm")) return {"r_cm", 10.0};
+  if (first.ends_with("r_m")) return {"r_m", 1000.0};
+  return {"r_mm", 1.0};
+}
+
 // f = a + b t + c t^2 + d t^3 on an interval, t from 0 to 1.
 struct Cubic {
   double a, b, c, d;
@@ -127,6 +148,7 @@ FitTarget fit_target(const TableProfile& profile) {
           [profile](double r_mm) { return profile.antiderivative(r_mm); },
           profile.albedo(),
           0.5 * profile.radius_mm()[1],
+          3.0 * profile.radius_mm().back(),  // falls by 5 % over the table
           0.0,
           profile.radius_mm().back(),
           profile.radius_mm(),
@@ -134,34 +156,37 @@ FitTarget fit_target(const TableProfile& profile) {
 }
 
 std::array<TableProfile, 3> read_table_profile(const std::filesystem::path& path) {
-  constexpr double kMmPerCm = 10.0;
-  constexpr double kMmPerM = 1000.0;
-  const std::string text = read_text_file(path);
-  const bool in_cm = text.find("r_cm") < text.find('\n');
-  const bool in_m = text.find("r_m,") < text.find('\n');
-  const double unit_mm = in_cm ? kMmPerCm : in_m ? kMmPerM : 1.0;
-  CsvReader reader(path, {in_cm ? "r_cm" : in_m ? "r_m" : "r_mm", "r", "g", "b"});
+  const Unit unit = unit_of(path);
+  CsvReader reader(path, {unit.column, "r", "g", "b"});
   std::vector<double> radius_mm;
   std::array<std::vector<double>, 3> values;
   while (reader.next()) {
     const double radius = reader.number(0);
     if (radius < 0.0) throw_input_error(reader.where(0), "{}: a radius must not be negative", radius);
-    if (!radius_mm.empty() && !(radius * unit_mm > radius_mm.back())) {
-      throw_input_error(reader.where(0), "{} after {}: radii must ascend", radius,
-                        radius_mm.back() / unit_mm);
+    if (radius != 0.0 && !(radius * unit.mm > kLeastRadius_mm && radius * unit.mm < kMostRadius_mm)) {
+      throw_input_error(reader.where(0), "{}: a radius is 0, or {} to {} mm", radius, kLeastRadius_mm,
+                        kMostRadius_mm);
     }
-    radius_mm.push_back(radius * unit_mm);
+    if (!radius_mm.empty() && !(radius * unit.mm > radius_mm.back())) {
+      throw_input_error(reader.where(0), "{} after {}: radii must ascend", radius,
+                        radius_mm.back() / unit.mm);
+    }
+    radius_mm.push_back(radius * unit.mm);
     for (std::size_t c = 0; c < 3; ++c) {
       const double value = reader.number(c + 1);
       if (value < 0.0) throw_input_error(reader.where(c + 1), "{}: R must not be negative", value);
-      values[c].push_back(value / (unit_mm * unit_mm));
+      if (value != 0.0 && !(value > kLeastValue && value < kMostValue)) {
+        throw_input_error(reader.where(c + 1), "{}: R is 0, or {} to {}", value, kLeastValue, kMostValue);
+      }
+      values[c].push_back(value / (unit.mm * unit.mm));
     }
   }
   if (radius_mm.size() < 2)
     throw_input_error(reader.where(), "the table has {} of at least 2 rows", radius_mm.size());
-  for (const std::vector<double>& channel : values) {
-    if (*std::max_element(channel.begin(), channel.end()) == 0.0)
-      throw_input_error({path.string()}, "a channel has no light: every R of it is 0");
+  constexpr const char* kNames[] = {"r", "g", "b"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (*std::max_element(values[c].begin(), values[c].end()) == 0.0)
+      throw_input_error({path.string()}, "the channel {} has no light: every R of it is 0", kNames[c]);
   }
   return {TableProfile(radius_mm, values[0]), TableProfile(radius_mm, values[1]),
           TableProfile(radius_mm, values[2])};

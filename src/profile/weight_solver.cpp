@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace truescatter {
@@ -20,6 +19,13 @@ VectorXd gram_inverse(const MatrixXd& triangular, const VectorXd& x) {
   const auto upper = triangular.triangularView<Eigen::Upper>();
   const VectorXd half = upper.transpose().solve(x);
   return upper.solve(half);
+}
+
+std::vector<int> usable_columns(const MatrixXd& design) {
+  std::vector<int> columns;
+  for (Eigen::Index i = 0; i < design.cols(); ++i)
+    if (design.col(i).norm() > kVanishing) columns.push_back(static_cast<int>(i));
+  return columns;
 }
 
 // The least squares over some columns, negative weights allowed.
@@ -73,6 +79,7 @@ int steepest_column(const MatrixXd& design, const VectorXd& data, const Passive&
   for (Eigen::Index i = 0; i < design.cols(); ++i) {
     const int column = static_cast<int>(i);
     if (std::find(passive.columns.begin(), passive.columns.end(), column) != passive.columns.end()) continue;
+    if (!(design.col(i).norm() > kVanishing)) continue;
     const double slope = (gradient[i] - passive.multiplier) / design.col(i).norm();
     if (slope <= steepest) continue;
     steepest = slope;
@@ -115,11 +122,11 @@ Passive first_passive(const MatrixXd& design, const VectorXd& data, const std::o
   if (!total) return solve_passive(design, data, {}, total);
   int best = 0;
   double least = std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < design.cols(); ++i) {
+  for (const int i : usable_columns(design)) {
     const double error = (data - design.col(i) * *total).squaredNorm();
     if (error >= least) continue;
     least = error;
-    best = static_cast<int>(i);
+    best = i;
   }
   return solve_passive(design, data, {best}, total);
 }
@@ -127,10 +134,9 @@ Passive first_passive(const MatrixXd& design, const VectorXd& data, const std::o
 LinearFit solve_nonnegative(const MatrixXd& design, const VectorXd& data,
                             const std::optional<double>& total) {
   // Most often no weight is held at 0.
-  std::vector<int> all(static_cast<std::size_t>(design.cols()));
-  std::iota(all.begin(), all.end(), 0);
-  Passive free = solve_passive(design, data, std::move(all), total);
-  if (free.weights.minCoeff() > 0.0) return linear_fit(design, data, std::move(free));
+  Passive free = solve_passive(design, data, usable_columns(design), total);
+  if (free.weights.size() > 0 && free.weights.minCoeff() > 0.0)
+    return linear_fit(design, data, std::move(free));
 
   Passive passive = first_passive(design, data, total);
   VectorXd weights = VectorXd::Zero(design.cols());
@@ -159,9 +165,7 @@ LinearFit solve_nonnegative(const MatrixXd& design, const VectorXd& data,
 LinearFit solve_weights(const MatrixXd& design, const VectorXd& data, const WeightRules& rules) {
   assert(design.rows() == data.size() && design.cols() <= design.rows());
   if (rules.nonnegative) return solve_nonnegative(design, data, rules.total);
-  std::vector<int> all(static_cast<std::size_t>(design.cols()));
-  std::iota(all.begin(), all.end(), 0);
-  return linear_fit(design, data, solve_passive(design, data, std::move(all), rules.total));
+  return linear_fit(design, data, solve_passive(design, data, usable_columns(design), rules.total));
 }
 
 // Of design^T (data - design w) = multiplier: gram dw = e_column (derivative . residual) - design^T

@@ -11,6 +11,9 @@ struct WeightRules {
   std::optional<double> total;  // what the weights sum to; nothing: free
 };
 
+// Columns that are shorter have no digits left.
+constexpr double kVanishing = 1e-140;
+
 // The weights w that minimise |data - design w|^2 under the rules.
 struct LinearFit {
   Eigen::VectorXd weights;
@@ -21,8 +24,8 @@ struct LinearFit {
 };
 
 // Free weights by QR; non-negative ones by Lawson and Hanson's active sets (Solving Least Squares Problems,
-// 1974, chapter 23), in which the total is an equality with a Lagrange multiplier. Columns of the design are
-// not 0, and there are no more of them than rows.
+// 1974, chapter 23), in which the total is an equality with a Lagrange multiplier. There are no more columns
+// than rows; one that vanishes (kVanishing) is held at 0, and one at least does not.
 LinearFit solve_weights(const Eigen::MatrixXd& design, const Eigen::VectorXd& data, const WeightRules& rules);
 
 // How the carried weights of `fit` change with a parameter that moves column `column` of the design along

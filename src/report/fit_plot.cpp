@@ -136,7 +136,7 @@ std::string legend(const json& document) {
     std::string errors;
     for (const char* norm : {"r", "area", "r2"}) {
       const json& error = document.at("error").at(norm).at(c);
-      errors += error.is_null() ? fmt::format("  {} not finite", norm)
+      errors += error.is_null() ? fmt::format("  {} none", norm)
                                 : fmt::format("  {} {:.3g} %", norm, 100.0 * error.get<double>());
     }
     svg += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}: relative error{}</text>\n", kLeft_px,

@@ -213,7 +213,7 @@ const Broken kBroken[] = {
      "'profile.of.thickness_mm' is 0; it must lie in "},
     {"TruthOfBurley", kProfile,
      "name = \"x\"\n[profile.of]\nmodel = \"burley\"\nmaterial = \"skin1\"\ntruth = true", ":18:9",
-     "'profile.of.truth': there is no truth of a burley itself"},
+     "'profile.of.truth': a burley has no truth of its own here"},
     {"ModelForNothing", kProfile, "name = \"x\"\n[profile.of]\nmodel = \"burley\"\nmaterial = \"skin1\"",
      ":15:1", "'profile.of' is asked for nothing"},
     {"ThicknessOfATable", kProfile,

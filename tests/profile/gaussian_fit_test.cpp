@@ -270,6 +270,21 @@ TEST(GaussianFit, OfBurleyIsByAreaOrR2) {
   }
 }
 
+// Channels whose lengths part by nine decades: a Gaussian for one has no digits left at the other's nodes.
+// Each gets its own all the same.
+TEST(GaussianFit, HoldsWhereChannelsAreFarApart) {
+  Targets far = {fit_target(classical_dipole({1e6, 1.0, 1.3})),
+                 fit_target(classical_dipole({1e-3, 1.0, 1.3})),
+                 fit_target(classical_dipole({1.0, 1e6, 1.3}))};
+  share_domain(far);
+  for (const bool nonnegative : {true, false}) {
+    FitOptions options;
+    options.nonnegative = nonnegative;
+    const GaussianFit fit = fit_gaussians(far, 3, options);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_LT(fit.errors[c].r.value(), 0.5) << c;
+  }
+}
+
 TEST(GaussianFit, RefusesWhatCannotBe) {
   const Targets skin = dipoles_of("skin1");
   const auto refusal = [&](const Targets& targets, int k, const FitOptions& options) {

@@ -147,7 +147,7 @@ TEST(LayersFile, IsRefusedAtTheOffendingRow) {
   EXPECT_EQ(refusal("-1,1,1,1,1,1,1,1.3\n"), "l.csv:2:1: -1: a thickness must not be negative");
   EXPECT_EQ(refusal("0,1,1,1,1,1,1,1.3\n9,1,1,1,1,1,1,1.3\n"),
             "l.csv:3: the layer above has no end, and layers follow");
-  EXPECT_TRUE(refusal("0.3,1,1,1,1,1,1,1.3\n").starts_with("l.csv:2: a layer is 0.3 mm thick"));
+  EXPECT_TRUE(refusal("0.3,1,1,1,1,1,1,1.3\n").starts_with("l.csv:2: the layer is 0.3 mm thick"));
   EXPECT_EQ(refusal("9,1,1,1,1,1,1,0.9\n"), "l.csv:2: eta is 0.9: it must be above 1, and finite");
 }
 
@@ -157,11 +157,11 @@ TEST(Layered, RefusesWhatHasNoAnswer) {
     return error ? std::string(error->what()) : "accepted";
   };
   EXPECT_EQ(refusal({}), "a stack needs at least one layer");
-  EXPECT_NE(refusal({{kSkin1Green, 0.9}}).find("a layer is 0.9 mm thick"), std::string::npos);
+  EXPECT_NE(refusal({{kSkin1Green, 0.9}}).find("the layer is 0.9 mm thick"), std::string::npos);
   EXPECT_NE(refusal({{kSkin1Green, kEndless}, {kSkin1Green, 2.0}}).find("layer 1 has no end"),
             std::string::npos);
   EXPECT_NE(refusal({{{-1.0, 1.0, 1.3}, 2.0}}).find("sigma_a"), std::string::npos);
-  EXPECT_NE(refusal({{kSkin1Green, std::nan("")}}).find("a layer is nan mm"), std::string::npos);
+  EXPECT_NE(refusal({{kSkin1Green, std::nan("")}}).find("the layer is nan mm"), std::string::npos);
 }
 
 }  // namespace

@@ -69,6 +69,32 @@ TEST(TableProfile, OfADipoleIsFittedAsTheDipole) {
   }
 }
 
+// A table that ends long before its light does: the Gaussians that it was made of, which are wide beside it.
+// Cubics through 41 points leave h^4 / 384 of the fourth derivative, (1/20)^4 * 3 / 384 = 5e-8 of f, and more
+// where slopes are estimated, h^3 / 12 = 1e-5. Beyond the table R is 0, so light of the fit there is error by
+// area.
+TEST(TableProfile, MayEndBeforeItsLightDoes) {
+  std::vector<double> radii;
+  std::array<std::vector<double>, 3> values;
+  const double variances[] = {1.0, 2.0, 4.0};
+  for (int i = 0; i <= 40; ++i) {
+    radii.push_back(0.05 * i);
+    for (std::size_t c = 0; c < 3; ++c)
+      values[c].push_back(sum_value(std::vector<WeightedGaussian>{{variances[c], 1.0}}, radii.back()));
+  }
+  const std::array<FitTarget, 3> targets = {fit_target(TableProfile(radii, values[0])),
+                                            fit_target(TableProfile(radii, values[1])),
+                                            fit_target(TableProfile(radii, values[2]))};
+  const GaussianFit fit = fit_gaussians(targets, 3, {});
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(fit.levels[i].variance_mm2, variances[i], 1e-3 * variances[i]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_LT(fit.errors[c].r.value(), 2e-5);
+    const double beyond = std::exp(-2.0 / variances[c]);  // exp(-r^2 / 2v) of the light
+    EXPECT_NEAR(fit.errors[c].area, beyond / (1.0 - beyond), 1e-3);
+  }
+}
+
 class TableFile : public testing::Test {
  protected:
   std::string refusal(const std::string& text) {
@@ -108,7 +134,8 @@ TEST_F(TableFile, IsRefusedAtTheOffendingCell) {
   EXPECT_EQ(refusal("r_mm,r,g,b\n0,1,1,1\n1,1,-0.5,1\n"), "t.csv:3:5: -0.5: R must not be negative");
   EXPECT_EQ(refusal("r_mm,r,g,b\n-1,1,1,1\n"), "t.csv:2:1: -1: a radius must not be negative");
   EXPECT_EQ(refusal("r_mm,r,g,b\n0,1,1,1\n"), "t.csv:2: the table has 1 of at least 2 rows");
-  EXPECT_EQ(refusal("r_mm,r,g,b\n0,1,0,1\n1,1,0,1\n"), "t.csv: a channel has no light: every R of it is 0");
+  EXPECT_EQ(refusal("r_mm,r,g,b\n0,1,0,1\n1,1,0,1\n"),
+            "t.csv: the channel g has no light: every R of it is 0");
 }
 
 TEST(TableFit, NeedsAPointForEachUnknown) {

@@ -31,7 +31,7 @@ std::size_t count(const std::string& text, const std::string& word) {
 TEST(FitPlot, DrawsWhatIsOnItsAxes) {
   const std::string svg = fit_plot_svg(document().dump());
   EXPECT_NE(svg.find("a &lt;b> &amp; c: 1 Gaussians"), std::string::npos);
-  EXPECT_NE(svg.find("r not finite"), std::string::npos);
+  EXPECT_NE(svg.find("r none"), std::string::npos);
   // Red and green profile and fit above; below, green's error, too dark first and then too bright. Blue is
   // dark, red is exact.
   EXPECT_EQ(count(svg, "class=\"line\""), 6u);
