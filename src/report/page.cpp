@@ -38,6 +38,7 @@ std::string make_page(const PageContents& contents) {
                                                                   {"style", page_file("report.css")},
                                                                   {"results", contents.results},
                                                                   {"pictures", contents.pictures},
+                                                                  {"values", contents.values},
                                                                   {"scripts", all_scripts()}};
   const std::string text = page_file("report.html");
   // One pass: what is put in is never searched for placeholders itself.

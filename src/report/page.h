@@ -9,6 +9,7 @@ struct PageContents {
   std::string title;     // HTML
   std::string results;   // JSON for a script block
   std::string pictures;  // JSON for a script block
+  std::string values;    // JSON for a script block
 };
 
 // The whole page: the template with its styles and scripts, and these contents.

@@ -19,16 +19,6 @@ namespace {
 
 using nlohmann::json;
 
-void add_path(const json& value, const std::filesystem::path& results_file, std::vector<std::string>& paths) {
-  if (!value.is_string()) return;
-  const std::string path = value.get<std::string>();
-  const std::filesystem::path parts(path);
-  const bool leaves = parts.is_absolute() || std::find(parts.begin(), parts.end(), "..") != parts.end();
-  if (leaves)
-    throw_input_error({results_file.string()}, "the picture '{}' lies outside of the results' folder", path);
-  if (std::find(paths.begin(), paths.end(), path) == paths.end()) paths.push_back(path);
-}
-
 // How much of each source pixel a target pixel covers along one axis: `first`, and one weight per pixel.
 struct Coverage {
   int first = 0;
@@ -139,12 +129,23 @@ Picture load_picture(const std::filesystem::path& file, std::size_t index, int m
 
 }  // namespace
 
+void add_inner_path(const json& value, const std::filesystem::path& results_file,
+                    std::vector<std::string>& paths) {
+  if (!value.is_string()) return;
+  const std::string path = value.get<std::string>();
+  const std::filesystem::path parts(path);
+  const bool leaves = parts.is_absolute() || std::find(parts.begin(), parts.end(), "..") != parts.end();
+  if (leaves)
+    throw_input_error({results_file.string()}, "the file '{}' lies outside of the results' folder", path);
+  if (std::find(paths.begin(), paths.end(), path) == paths.end()) paths.push_back(path);
+}
+
 std::vector<std::string> picture_paths(const json& results, const std::filesystem::path& results_file) {
   std::vector<std::string> paths;
   const auto add_group = [&](const json& of, const char* group, const std::vector<const char*>& kinds) {
     for (const json& item : of.value(group, json::array())) {
       const json files = item.value("files", json::object());
-      for (const char* kind : kinds) add_path(files.value(kind, json()), results_file, paths);
+      for (const char* kind : kinds) add_inner_path(files.value(kind, json()), results_file, paths);
     }
   };
   add_group(results, "views", {"irradiance"});

@@ -7,6 +7,11 @@
 
 namespace truescatter {
 
+// Adds `value`, if it is a path, unless it is there already. Throws Error (input), naming `results_file`, for
+// a path that leaves the results' folder.
+void add_inner_path(const nlohmann::json& value, const std::filesystem::path& results_file,
+                    std::vector<std::string>& paths);
+
 // The pictures that a results.json names (irradiance, truths, results, error maps), relative to its folder,
 // each once, in the order in which they are named. Throws Error (input), naming `results`, for a path that
 // leaves the folder.

@@ -1,5 +1,6 @@
 #include "report/report.h"
 
+#include <cstddef>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -8,6 +9,7 @@
 #include "report/page.h"
 #include "report/pictures.h"
 #include "report/results_file.h"
+#include "report/value_maps.h"
 
 namespace truescatter {
 namespace {
@@ -15,6 +17,8 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxPictureWidthPx = 640;
+// The whole page is to stay below 40 MB; its pictures take the rest.
+constexpr std::size_t kMaxValueBytes = 24'000'000;
 
 std::string title_of(const json& results) {
   const json::json_pointer name("/experiment/name");
@@ -29,9 +33,10 @@ void write_report(const std::filesystem::path& folder) {
   try {
     const json results = read_results(folder);
     const json pictures = embedded_pictures(folder, picture_paths(results, file), kMaxPictureWidthPx);
+    const json values = embedded_values(folder, results, kMaxValueBytes);
     write_text_file(folder / "report.html",
                     make_page({html_escaped(title_of(results)), script_block_json(results.dump()),
-                               script_block_json(pictures.dump())}));
+                               script_block_json(pictures.dump()), script_block_json(values.dump())}));
   } catch (const json::exception& problem) {
     throw_input_error({file.string()}, "the results are not laid out as their schema says: {}",
                       problem.what());

@@ -258,8 +258,8 @@ TEST_F(ReportTest, HostileNamesStayText) {
   write_pictures();
   write_results(sample_results());
   const std::string page = report();
-  // The page's own four blocks: the error mark, results, pictures, scripts.
-  EXPECT_EQ(occurrences(page, "</script>"), 4U);
+  // The page's own five blocks: the error mark, results, pictures, values, scripts.
+  EXPECT_EQ(occurrences(page, "</script>"), 5U);
   EXPECT_EQ(occurrences(page, "<!--"), 0U);
   EXPECT_NE(page.find("<title>a &lt;b&gt; &amp; &quot;c&quot; &#39;d&#39; &lt;/script&gt;"),
             std::string::npos);
