@@ -24,8 +24,9 @@ std::string page_file(std::string_view name) {
 std::string all_scripts() {
   std::string text;
   for (const char* name :
-       {"base.js", "data.js", "summary.js", "scatter.js", "halo.js", "pictures.js", "viewer.js", "fit.js",
-        "terms.js", "paths.js", "tables.js", "ladder.js", "details.js", "report.js"}) {
+       {"base.js", "data.js", "summary.js", "scatter.js", "halo.js", "values.js", "inspect.js", "pictures.js",
+        "viewer.js", "fit.js", "terms.js", "paths.js", "tables.js", "ladder.js", "details.js", "state.js",
+        "hover.js", "keys.js", "report.js"}) {
     text += page_file(name);
   }
   return text;
@@ -34,12 +35,9 @@ std::string all_scripts() {
 }  // namespace
 
 std::string make_page(const PageContents& contents) {
-  const std::map<std::string, std::string, std::less<>> values = {{"title", contents.title},
-                                                                  {"style", page_file("report.css")},
-                                                                  {"results", contents.results},
-                                                                  {"pictures", contents.pictures},
-                                                                  {"values", contents.values},
-                                                                  {"scripts", all_scripts()}};
+  const std::map<std::string, std::string, std::less<>> values = {
+      {"title", contents.title},       {"style", page_file("report.css")}, {"results", contents.results},
+      {"pictures", contents.pictures}, {"values", contents.values},        {"scripts", all_scripts()}};
   const std::string text = page_file("report.html");
   // One pass: what is put in is never searched for placeholders itself.
   std::string page;

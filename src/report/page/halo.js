@@ -115,6 +115,26 @@ function peakLabel(lines, x, y, frame) {
       "text", {class: "direct small", x: px, y: py, fill: styleOf(peak.run.label).colour}, peak.run.label);
 }
 
+// A strip over each bin, which tells all methods' values there.
+function haloStrips(lines, x, frame) {
+  const bins = Math.max(...lines.map(({points}) => points.length));
+  return Array.from({length: bins}, (_, i) => {
+    const there = lines.filter(({points}) => points[i]);
+    if (there.length === 0) return null;
+    const at = there[0].points[i].x, half = at / (2 * i + 1);
+    const texts =
+        there.map(({run, points}) => `${run.label}  ${signedText(Number(points[i].y.toPrecision(3)))} %`);
+    return s("rect", {
+      class: "strip",
+      x: x(at - half),
+      width: x(at + half) - x(at - half),
+      y: frame.top,
+      height: frame.bottom - frame.top,
+      "data-tip": [`\u03b4 ${number(at - half)} to ${number(at + half)} mm`, ...texts].join("\n")
+    });
+  });
+}
+
 function haloChart(c, side, channel, yRange) {
   const frame =
       {left: HALO.left, right: HALO.width - HALO.right, top: HALO.top, bottom: HALO.height - HALO.bottom};
@@ -148,7 +168,7 @@ function haloChart(c, side, channel, yRange) {
                 "stroke-dasharray": styleOf(run.label).dash
               },
                 s("title", {}, run.label))),
-      peakLabel(lines, x, y, frame));
+      peakLabel(lines, x, y, frame), haloStrips(lines, x, frame));
 }
 
 function haloPixels(c, side) {

@@ -2,7 +2,8 @@
 
 const KINDS = [
   {value: "picture", text: "Rendered"}, {value: "magnitude", text: "|Error|"},
-  {value: "signed", text: "Signed error"}, {value: "irradiance", text: "Irradiance"}
+  {value: "signed", text: "Signed error"}, {value: "irradiance", text: "Irradiance"},
+  {value: "false", text: "False colour"}
 ];
 
 // Each picture is held once in the page; the object URL is made when it is first shown.

@@ -34,6 +34,16 @@ function logScale([low, high], from, to) {
   return scale;
 }
 
+const runTip =
+    (run) => [run.label + (isDistinguishable(run) ? "" : " (not distinguishable)"),
+              `error ${percent(relativeError(run))}`,
+              `frame ${number(frameMs(run))} ms (${number(lookUp(run, "cost.frame_ms.min").value)}..${
+                  number(lookUp(run, "cost.frame_ms.max").value)})`,
+              `${number(fetches(run))} fetches, ${
+                  count(lookUp(run, "cost.bytes_per_pixel").value)} bytes per skin pixel`,
+              settingsText(run.settings)]
+                 .join("\n");
+
 function marker(run, x, y) {
   const style = styleOf(run.label);
   return s("path", {
@@ -41,7 +51,8 @@ function marker(run, x, y) {
     d: SHAPE_PATHS[style.shape],
     transform: `translate(${x},${y})`,
     stroke: style.colour,
-    fill: isDistinguishable(run) ? style.colour : "var(--panel)"
+    fill: isDistinguishable(run) ? style.colour : "var(--panel)",
+    "data-tip": runTip(run)
   });
 }
 
@@ -84,7 +95,7 @@ function placeLabel(point, text, taken, frame) {
   return place;
 }
 
-function directLabel(p, axis, taken, frame) {
+function directLabel(p, taken, frame) {
   const text = p.run.label + (isDistinguishable(p.run) ? "" : " (not distinguishable)"),
         colour = styleOf(p.run.label).colour;
   const place = placeLabel(p, text, taken, frame), below = place.y > p.y;
@@ -97,9 +108,15 @@ function directLabel(p, axis, taken, frame) {
       x2: place.x,
       y2: place.y + (below ? -11 : 3)
     }),
-    s("text", {class: "direct", x: place.x, y: place.y, "text-anchor": place.anchor, fill: colour}, text,
-      s("title", {},
-        `${p.run.title || text}: ${percent(relativeError(p.run))}, ${number(axis.cost(p.run))} ${axis.unit}`))
+    s("text", {
+      class: "direct",
+      x: place.x,
+      y: place.y,
+      "text-anchor": place.anchor,
+      fill: colour,
+      "data-tip": runTip(p.run)
+    },
+      text)
   ];
 }
 
@@ -229,7 +246,7 @@ function scatterChart(c, axis, yDomain) {
         s("path", {class: "front", d: frontPath(front, x, y, frame)}));
   taken.push(...frontBoxes(front, x, y, frame));
   for (const p of paid) append(chart, [axis.whiskers && whisker(p.run, x, p.y), marker(p.run, p.x, p.y)]);
-  append(chart, paid.map((p) => directLabel(p, axis, taken, frame)));
+  append(chart, paid.map((p) => directLabel(p, taken, frame)));
   return chart;
 }
 
@@ -238,7 +255,6 @@ function costCharts() {
   const time = {
     cost: frameMs,
     label: "Frame time, ms",
-    unit: "ms",
     whiskers: true,
     domain: logDomain(
         paid.flatMap(
@@ -250,7 +266,6 @@ function costCharts() {
   const work = {
     cost: fetches,
     label: "Texture fetches per skin pixel",
-    unit: "fetches per skin pixel",
     domain: logDomain(paid.map(fetches), 1.5)
   };
   // What cannot be told from the truth stands at the lower edge, wherever below it its error lies.

@@ -148,6 +148,45 @@ const COLUMNS = [
   }
 ];
 
+// `sort`: a column's key; null: by the relative RMSE.
+const tableState = {
+  sort: null,
+  descending: false,
+  channel: "luminance"
+};
+const columnKey = (column) => `${column.group}.${column.name}`.replaceAll(" ", "");
+
+// What has no value stands last, either way.
+function sortedRuns(c, channel) {
+  const byDefault = [...c.runs].sort(byError);
+  const column = COLUMNS.find((other) => columnKey(other) === tableState.sort);
+  if (tableState.sort === "method")
+    byDefault.sort((a, b) => a.label.localeCompare(b.label));
+  else if (column) {
+    const valueOf = (run) => column.get(run, channel).value;
+    const valued = byDefault.filter((run) => valueOf(run) !== null).sort((a, b) => valueOf(a) - valueOf(b));
+    if (tableState.descending) valued.reverse();
+    return [...valued, ...byDefault.filter((run) => valueOf(run) === null)];
+  }
+  return tableState.descending ? byDefault.reverse() : byDefault;
+}
+
+function sortBy(key) {
+  tableState.descending = tableState.sort === key && !tableState.descending;
+  tableState.sort = key;
+  showTables();
+  saveState();
+}
+
+function sortHead(key, text, attributes, unit) {
+  const on = tableState.sort === key, order = on && (tableState.descending ? "descending" : "ascending");
+  return h(
+      "th", {scope: "col", "aria-sort": order, "data-sort": key, ...attributes},
+      h("button", {type: "button", onclick: () => sortBy(key)}, text,
+        on && (tableState.descending ? " \u25be" : " \u25b4")),
+      unit && h("small", {}, unit));
+}
+
 // The best of a column among a case's runs; nothing where there is no contest.
 function bestOf(column, caseRuns, channel) {
   if (column.ranks === false) return null;
@@ -192,7 +231,7 @@ function valueCell(column, run, found, text, isBest, largest) {
 }
 
 function tableRows(c, channel) {
-  const ordered = [...c.runs].sort(byError);
+  const ordered = sortedRuns(c, channel);
   const columns = COLUMNS.map((column) => {
     const found = ordered.map((run) => column.get(run, channel));
     const texts = found.map((f) => (column.format || number)(f.value, column.signed));
@@ -236,11 +275,12 @@ function tableHead() {
       h("tr", {class: "groups"}, h("th", {}),
         groups.map(
             (group) => h("th", {colspan: COLUMNS.filter((column) => column.group === group).length}, group))),
-      h("tr", {}, h("th", {scope: "col"}, "Method"),
+      h("tr", {}, sortHead("method", "Method", {}),
         COLUMNS.map(
-            (column) =>
-                h("th", {scope: "col", title: column.help, class: isFirst(column) ? "first-of-group" : ""},
-                  column.name, h("small", {}, column.unit || "\u00a0")))));
+            (column) => sortHead(
+                columnKey(column), column.name,
+                {title: column.help, class: isFirst(column) ? "first-of-group" : ""},
+                column.unit || "\u00a0"))));
 }
 
 // Why a dash stands where it does.
@@ -290,20 +330,30 @@ function definitions() {
       h("dl", {}, entries.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text)))));
 }
 
+function showTables() {
+  tableState.element.replaceChildren(...cases.map((c) => caseTable(c, tableState.channel)));
+}
+
 function tableSection() {
-  const tables = h("div", {}, cases.map((c) => caseTable(c, "luminance")));
-  const channel = choice(
-      "Channel", CHANNELS, "luminance",
-      (value) => tables.replaceChildren(...cases.map((c) => caseTable(c, value))));
+  tableState.element = h("div", {});
+  if (saved.sort) {
+    tableState.descending = saved.sort.startsWith("-");
+    tableState.sort = saved.sort.replace(/^-/, "");
+  }
+  showTables();
+  const channel = choice("Channel", CHANNELS, tableState.channel, (value) => {
+    tableState.channel = value;
+    showTables();
+  });
   return section(
       "metrics", "Metrics and costs",
       [
         h("b", {}, `Headline target: ${headlineTarget}`),
-        ". Sorted by relative RMSE; the best of each column is lit (methods without a pass do not " +
+        ". Sorted by relative RMSE until a column\u2019s head is clicked; the best of each column is lit (methods without a pass do not " +
             "compete on cost). ",
         "Own-target RMSE is the filter\u2019s error, against the very integral that the method aims at; " +
             "the rest of the headline RMSE is the model\u2019s error, of aiming at that integral. ",
         `Errors are in units of irradiance${errorExponent === 0 ? "" : `, here ${errorUnit}`}. `, timingNote()
       ],
-      h("div", {class: "controls"}, channel.element), tables, definitions());
+      h("div", {class: "controls"}, channel.element), tableState.element, definitions());
 }
