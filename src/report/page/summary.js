@@ -55,7 +55,8 @@ const AUDIT_CLASSES = {
 // "128 drawn at random, 26 at shadow edges, ..." over these truths, those of one view counted once.
 function auditedWhere(of) {
   const sums = new Map();
-  for (const classes of new Map(of.map((truth) => [truth.view, lookUpObject(truth, "certificate.classes")])).values())
+  for (const classes of new Map(of.map((truth) => [truth.view, lookUpObject(truth, "certificate.classes")]))
+           .values())
     for (const name of Object.keys(AUDIT_CLASSES))
       if (classes[name] > 0) sums.set(name, (sums.get(name) || 0) + classes[name]);
   return [...sums].map(([name, points]) => `${count(points)} ${AUDIT_CLASSES[name]}`).join(", ");
@@ -65,7 +66,8 @@ function certificatePanel() {
   const largest = worst("certificate.max_error"), tolerance = worst("certificate.tolerance");
   const failed = truths.some((truth) => !isCertified(truth));
   // The truths of one view are audited at the same pixels: each view counts once.
-  const auditedInView = new Map(truths.map((truth) => [truth.view, lookUp(truth, "certificate.audited").value || 0]));
+  const auditedInView =
+      new Map(truths.map((truth) => [truth.view, lookUp(truth, "certificate.audited").value || 0]));
   const audited = [...auditedInView.values()].reduce((sum, pixels) => sum + pixels, 0);
   const residual = (results.scene || {}).irradiance_residual || {};
   const row = (name, value, note) =>
@@ -82,7 +84,8 @@ function certificatePanel() {
             "In units of the scene\u2019s largest irradiance, each figure the largest of ",
         plural(truths.length, "truth"), ":"),
       h("dl", {}, row("Largest difference", scientific(largest), `of ${scientific(tolerance)} allowed`),
-        row("Pixels audited", count(audited), auditedWhere(truths) || "half random, half where the risk is highest"),
+        row("Pixels audited", count(audited),
+            auditedWhere(truths) || "half random, half where the risk is highest"),
         row("Left open", percent(worst("certificate.open_share_95")),
             "of a view\u2019s pixels at most, at 95 % confidence, may differ by more"),
         row("Tail beyond the search", scientific(worst("certificate.tail_bound")), "bound"),
@@ -159,6 +162,53 @@ function cheapestSentence() {
   ];
 }
 
+// --- the opening sentence ---
+
+// A method's run in each case where it has an error, the largest error first.
+const worstFirst = (label) =>
+    cases.flatMap((c) => costed(c).filter((run) => run.label === label).map((run) => ({c, run})))
+        .sort((a, b) => byError(b.run, a.run));
+const largestError = (label) => relativeError(worstFirst(label)[0].run);
+const largestTime = (label) => Math.max(...worstFirst(label).map(({run}) => frameMs(run)));
+const costsNothing = (label) => worstFirst(label).every(({run}) => isFree(run));
+
+// Of the methods that every case measured: the cheapest that stays within `threshold` in all, or none.
+function cheapestEverywhere(threshold) {
+  return labels
+      .filter(
+          (label) => worstFirst(label).length === cases.length && largestError(label) <= threshold &&
+              worstFirst(label).every(({run}) => isNumber(frameMs(run))))
+      .sort((a, b) => (costsNothing(b) - costsNothing(a)) || largestTime(a) - largestTime(b))[0];
+}
+
+// What its ladder says, of the case where it is worst if there is one.
+function costliestAssumption(label, c) {
+  const own = list(results.ladders).filter((ladder) => ladder.name === label && !ladder.skipped);
+  const ladder = own.find((l) => l.view === c.view && l.profile === c.profile) || own[0];
+  if (!ladder) return "what its assumptions cost one by one was not measured";
+  const cost = (rung) => lookUp(rung, "step.rmse").value || 0;
+  const rung = [...ladder.rungs].sort((a, b) => cost(b) - cost(a))[0];
+  return `the assumption that costs it most is \u201c${rung.assumption}\u201d (RMSE ${
+      number(inErrorUnits(
+          cost(rung)))}${errorUnit && " " + errorUnit}, ${ladder.view}, ${profileTitle(ladder.profile)})`;
+}
+
+function verdict() {
+  const {threshold} = summaryState, within = cheapestEverywhere(threshold);
+  const measured = labels.filter((label) => worstFirst(label).length > 0);
+  const label = within || measured.sort((a, b) => largestError(a) - largestError(b))[0];
+  if (!label) return null;
+  const {c, run} = worstFirst(label)[0], everywhere = cases.length > 1 ? " in every case" : "";
+  const time = costsNothing(label) ? "no pass at all" : `at most ${number(largestTime(label))} ms`;
+  return h(
+      "p", {class: "verdict-text", id: "verdict"},
+      within ?
+          [methodName(label), ` is the cheapest method within ${percent(threshold)}${everywhere} (${time})`] :
+          [`No method stays within ${percent(threshold)}${everywhere}; the nearest is `, methodName(label)],
+      `; it is worst in ${caseName(c) || c.view}, at ${percent(relativeError(run))}; `,
+      costliestAssumption(label, c), ".");
+}
+
 function worseThanNothingSentence() {
   const found = new Map();
   for (const c of cases) {
@@ -231,7 +281,9 @@ function summaryText() {
     leastErrorSentence(), cheapestSentence(), worseThanNothingSentence(), inversionSentence(),
     doubtSentence(), skippedSentence()
   ].filter(Boolean);
-  return h("p", {class: "words", id: "words"}, sentences.map((sentence) => [sentence, " "]));
+  return h(
+      "div", {id: "words"}, verdict(),
+      h("p", {class: "words"}, sentences.map((sentence) => [sentence, " "])));
 }
 
 // --- the matrix of methods and cases ---

@@ -83,9 +83,30 @@ class ReportInBrowser(unittest.TestCase):
     def test_asks_the_network_for_nothing(self):
         loaded = self.page.evaluate("performance.getEntriesByType('resource').map((e) => e.name)")
         self.assertEqual([name for name in loaded if not name.startswith("blob:")], [])
+        self.assertEqual(self.page.complaints, [])
         # The block itself holds: a request fails.
         self.assertEqual(self.page.evaluate("fetch('http://example.org/').then(() => 'came', () => 'failed')"), "failed")
         self.page.complaints.clear()
+
+    def test_opens_with_a_sentence_that_the_results_bear_out(self):
+        opening = "document.querySelector('#verdict').textContent.replace(/\\u202f/g, ' ')"
+        runs = {run["label"]: run for run in self.results["runs"]}
+        error = {label: 100 * run["metrics"]["rel_rmse"] for label, run in runs.items()}
+        least, most = min(error, key=error.get), max(error, key=error.get)
+        self.page.evaluate(f"setThreshold({0.005 * error[least]})")
+        sentence = self.page.evaluate(opening)
+        self.assertTrue(sentence.startswith("No method stays within "), sentence)
+        self.assertIn(f"the nearest is {least}; it is worst in front", sentence)
+        self.assertAlmostEqual(float(sentence.split(" at ")[1].split(" %")[0]), error[least], delta=0.005 * error[least])
+        paid = {label: run["cost"]["frame_ms"]["median"] for label, run in runs.items() if run["cost"]["passes"] > 0}
+        free = next(label for label in runs if label not in paid)
+        self.page.evaluate(f"setThreshold({0.0101 * error[most]})")
+        self.assertTrue(self.page.evaluate(opening).startswith(f"{free} is the cheapest method within "))
+        within = [label for label in paid if error[label] < error[free]]
+        self.page.evaluate(f"setThreshold({0.00999 * error[free]})")
+        self.assertTrue(within)
+        cheapest = min((label for label in within if error[label] <= 0.999 * error[free]), key=paid.get)
+        self.assertTrue(self.page.evaluate(opening).startswith(f"{cheapest} is the cheapest method within "))
 
     def test_number_keys_flip_between_methods(self):
         for key, label in enumerate(self.methods(), start=1):
