@@ -34,12 +34,13 @@ const falseColourTop = () => ((results.scene || {}).largest_irradiance || 1) / 2
 
 function falseColourCanvas(map, channel) {
   const canvas = h("canvas", {width: map.width, height: map.height}), context = canvas.getContext("2d");
-  const image = context.createImageData(map.width, map.height), top = falseColourTop();
-  const table = Array.from({length: 256}, (_, i) => falseColour(i / 255));
-  for (let i = 0; i < map.width * map.height; ++i) {
+  const image = context.createImageData(map.width, map.height), pixels = new Uint32Array(image.data.buffer);
+  const packed = ([r, g, b]) => new Uint32Array(Uint8ClampedArray.of(r, g, b, 255).buffer)[0];
+  const table = Array.from({length: 256}, (_, i) => packed(falseColour(i / 255)));
+  const none = packed([56, 56, 56]), scale = 255 / falseColourTop();
+  for (let i = 0; i < pixels.length; ++i) {
     const value = map.at(i, channel);
-    const colour = Number.isNaN(value) ? [56, 56, 56] : table[clamp(Math.round(255 * value / top), 0, 255)];
-    image.data.set([...colour, 255], 4 * i);
+    pixels[i] = Number.isNaN(value) ? none : table[clamp(Math.round(scale * value), 0, 255)];
   }
   context.putImageData(image, 0, 0);
   return canvas;

@@ -41,7 +41,7 @@ const runTip =
                   number(lookUp(run, "cost.frame_ms.max").value)})`,
               `${number(fetches(run))} fetches, ${
                   count(lookUp(run, "cost.bytes_per_pixel").value)} bytes per skin pixel`,
-              settingsText(run.settings)]
+              "settings: " + settingsText(run.settings)]
                  .join("\n");
 
 function marker(run, x, y) {

@@ -290,10 +290,17 @@ async function showValues() {
     viewerState.loaded = loaded;
     if ([viewerState.kind, viewerState.compareKind].includes("false")) showPictures();
   }
-  const {loaded, right, region, channel} = viewerState;
-  viewerParts.precision.textContent = precisionNote(c, loaded);
-  viewerParts.region.replaceChildren(...regionPanel(c, loaded, right, region, channel));
+  viewerParts.precision.textContent = precisionNote(c, viewerState.loaded);
   showPixel(viewerState.pixel);
+  // After the pictures have changed: flipping does not wait for sums over all pixels.
+  clearTimeout(viewerState.summing);
+  viewerState.summing = setTimeout(showRegion, 80);
+}
+
+function showRegion() {
+  const {c, loaded, right, region, channel} = viewerState;
+  if (!loaded) return;
+  viewerParts.region.replaceChildren(...regionPanel(c, loaded, right, region, channel));
   document.documentElement.dataset.values = `${c.view}/${c.profile}`;
 }
 
