@@ -12,6 +12,10 @@ namespace {
 
 constexpr double kRadiusStdDevs = 3.0;  // as of any list of Gaussians
 
+std::string gaussians_text(std::size_t count) {
+  return fmt::format("{} Gaussian{}", count, count == 1 ? "" : "s");
+}
+
 // Fitted now, or in a file.
 Profile fitted_profile(const ExperimentSpec& experiment, const ProfileSpec& spec, Plan& plan) {
   Profile profile;
@@ -21,11 +25,11 @@ Profile fitted_profile(const ExperimentSpec& experiment, const ProfileSpec& spec
     const DiffusionProfile& of = plan.approximated.at(spec.name);
     const GaussianFit& fit = plan.fits.emplace(spec.name, fit_profile(of, *spec.fit)).first->second;
     levels = fit.levels;
-    profile.title = fmt::format("{} Gaussians for the {}", levels.size(), of.title());
+    profile.title = fmt::format("{} for the {}", gaussians_text(levels.size()), of.title());
     profile.source = "fitted by this experiment";
   } else {
     levels = read_fit(resolve_path(experiment, spec.fit->file, spec.fit->where));
-    profile.title = fmt::format("{} Gaussians of {}", levels.size(), spec.fit->file);
+    profile.title = fmt::format("{} of {}", gaussians_text(levels.size()), spec.fit->file);
     profile.source = spec.fit->file;
   }
   for (const GaussianLevel& level : levels)

@@ -67,6 +67,7 @@ struct Method {
   std::string title;
   std::string source;
   bool needs_uvs = false;
+  bool masks_its_taps = true;  // takes no light from what is not skin
   NumericLimits limits;
   std::vector<SettingSpec> settings;
   std::function<OwnTarget(const Profile&, const Settings&)> own_target;

@@ -212,6 +212,61 @@ TEST_P(EveryMethod, MapsAMirroredFrameToTheMirroredResult) {
   }
 }
 
+// What is not skin gives no light: with it dark or five times as bright, skin is the same to the last bit. A
+// method whose source has no mask says so, and must differ.
+TEST_P(EveryMethod, TakesNoLightFromWhatIsNotSkin) {
+  const auto with_other_light = [](double light) {
+    ShadingMesh shading = test::shade(make_builtin("plane"), test::lamp(Vec3d(0.3, 0.2, 1.0)));
+    for (ShadingTriangle& triangle : shading.triangles) {
+      const double middle_x = (shading.corner(triangle, 0).x() + shading.corner(triangle, 1).x() +
+                               shading.corner(triangle, 2).x()) /
+                              3.0;
+      if (middle_x > 0.0) continue;
+      triangle.skin = false;
+      triangle.component = -1;
+      triangle.irradiance.fill(Vec3d::Constant(light));
+    }
+    return shading;
+  };
+  const Camera camera = test::camera_at(300.0, 20.0, 48);
+  const Scene dark(with_other_light(0.0), camera);
+  const Scene bright(with_other_light(5.0), camera);
+  for (const Profile& profile : builtin_profiles()) {
+    const double difference =
+        largest_difference(dark.run(method(), profile), bright.run(method(), profile), dark.images().mask, 0);
+    if (method().masks_its_taps) {
+      EXPECT_EQ(difference, 0.0) << profile.name;
+    } else {
+      EXPECT_GT(difference, 0.1) << profile.name;
+    }
+  }
+}
+
+// A strip of skin as wide as a pixel, aslant, under light of 1: no division by the little that is there makes
+// more of it than there is, or none.
+TEST_P(EveryMethod, KeepsFeaturesOfOnePixelWithinTheirLight) {
+  constexpr double kPixel_mm = 40.0 / 128.0;
+  Mesh strip = make_builtin("plane", {{"size_mm", 30.0}, {"edge_mm", 3.0}});
+  const Eigen::AngleAxisd turn(0.2, Vec3d::UnitZ());
+  for (Vec3d& p : strip.positions_mm) p = turn * Vec3d(p.x() * kPixel_mm / 30.0, p.y(), p.z());
+  const Scene scene = lit_scene(strip, test::lamp(Vec3d::UnitZ()), test::camera_at(600.0, 40.0, 128));
+  int pixels = 0;
+  for (const Profile& profile : builtin_profiles()) {
+    const Image result = scene.run(method(), profile);
+    for (int y = 0; y < result.height(); ++y) {
+      for (int x = 0; x < result.width(); ++x) {
+        if (scene.images().mask.at(x, y, 0) == 0.0F) continue;
+        ++pixels;
+        for (int c = 0; c < 3; ++c) {
+          ASSERT_GE(result.at(x, y, c), -method().limits.rounding) << profile.name;
+          ASSERT_LE(result.at(x, y, c), 1.0 + method().limits.rounding) << profile.name;
+        }
+      }
+    }
+  }
+  EXPECT_GT(pixels, 3 * 60);
+}
+
 TEST_P(EveryMethod, GivesNumbersAtGrazingAnglesAndOnAnEmptyFrame) {
   Mesh plane = make_builtin("plane");
   const Eigen::AngleAxisd turn(89.9 * kPi / 180.0, Vec3d::UnitX());

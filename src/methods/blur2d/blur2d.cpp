@@ -45,6 +45,7 @@ Method blur2d_method() {
   method.name = "blur2d";
   method.title = "2D Gaussian, fixed size";
   method.source = "Mikkelsen 2010, figure 3a";
+  method.masks_its_taps = false;
   method.limits = {.rounding = 2e-6};
   method.own_target = [](const Profile&, const Settings&) { return OwnTarget{}; };
   method.prepare = prepare;

@@ -60,6 +60,7 @@ Method screen_gaussian_method() {
   method.name = "screen-gaussian";
   method.title = "Screen-space Gaussian";
   method.source = "Jimenez et al. 2009";
+  method.masks_its_taps = false;
   method.limits = {.rounding = 2e-5, .identity_per_px = 2.0 * 0.76};
   method.settings = {
       {"slope_beta", "how much the width shrinks with the depth's gradient, in focal lengths", 1.0, 0.0,
