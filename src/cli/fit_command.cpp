@@ -23,7 +23,6 @@
 namespace truescatter::cli {
 namespace {
 
-constexpr int kMostGaussians = 16;
 constexpr int kMostSeed = 1000000000;
 
 // A number for every channel, or one for each: "1" or "1,2,3".
@@ -157,11 +156,7 @@ Profile gaussians_named(const std::string& name) {
     throw_input_error(option("score"), "\"{}\" is no file, and no published sum; there are: {}", name,
                       fmt::join(names, ", "));
   }
-  Profile profile;
-  profile.name = name;
-  for (const GaussianLevel& level : read_fit(name))
-    profile.terms.push_back({Vec3d::Constant(level.variance_mm2), level.weight});
-  return profile;
+  return sum_of_gaussians(name, read_fit(name));
 }
 
 void refuse_with_score(const FitArguments& arguments) {

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "experiment/result_json.h"
 
 namespace truescatter {
 namespace {
@@ -54,15 +55,6 @@ double number(const json& value, const std::string& file, const std::string& key
 
 constexpr int kCurvePoints = 200;
 
-json rgb_json(const Vec3d& rgb) { return {rgb[0], rgb[1], rgb[2]}; }
-
-std::vector<WeightedGaussian> channel_of(const std::vector<GaussianLevel>& levels, std::size_t channel) {
-  std::vector<WeightedGaussian> sum;
-  for (const GaussianLevel& level : levels)
-    sum.push_back({level.variance_mm2, level.weight[static_cast<Eigen::Index>(channel)]});
-  return sum;
-}
-
 json asked_json(const DiffusionProfile& profile, const FitSpec& asked) {
   const ProfileModelSpec& spec = profile.spec;
   json object = {{"profile", spec.model}, {"title", profile.title()}};
@@ -102,6 +94,7 @@ json curve_json(const std::array<FitTarget, 3>& targets, const GaussianFit& fit)
     from_mm = std::min(from_mm, std::max(target.r_min_mm, 1e-4 * target.r_max_mm));
     to_mm = std::max(to_mm, target.r_max_mm);
   }
+  const std::array<std::vector<WeightedGaussian>, 3> sums = {fit.channel(0), fit.channel(1), fit.channel(2)};
   json curve = {{"r_mm", json::array()}, {"profile", json::array()}, {"fit", json::array()}};
   for (int i = 0; i < kCurvePoints; ++i) {
     const double r_mm = from_mm * std::pow(to_mm / from_mm, i / (kCurvePoints - 1.0));
@@ -109,7 +102,7 @@ json curve_json(const std::array<FitTarget, 3>& targets, const GaussianFit& fit)
     Vec3d sum;
     for (std::size_t c = 0; c < 3; ++c) {
       profile[static_cast<Eigen::Index>(c)] = targets[c].value(r_mm);
-      sum[static_cast<Eigen::Index>(c)] = sum_value(channel_of(fit.levels, c), r_mm);
+      sum[static_cast<Eigen::Index>(c)] = sum_value(sums[c], r_mm);
     }
     curve["r_mm"].push_back(r_mm);
     curve["profile"].push_back(rgb_json(profile));
@@ -123,13 +116,11 @@ json curve_json(const std::array<FitTarget, 3>& targets, const GaussianFit& fit)
 json fit_json(const DiffusionProfile& profile, const FitSpec& asked, const GaussianFit& fit) {
   const std::array<FitTarget, 3> targets = profile.fit_targets();
   json object = {{"schema", "truescatter-fit/1"}, {"asked", asked_json(profile, asked)}};
-  Vec3d total = Vec3d::Zero();
   object["variances"] = json::array();
   object["weights"] = json::array();
   for (const GaussianLevel& level : fit.levels) {
     object["variances"].push_back(level.variance_mm2);
     object["weights"].push_back(rgb_json(level.weight));
-    total += level.weight;
   }
   for (const FitNorm norm : kFitNorms) {
     json& errors = object["error"][std::string(name_of(norm))];
@@ -141,7 +132,7 @@ json fit_json(const DiffusionProfile& profile, const FitSpec& asked, const Gauss
       if (!error) object["error_note"] = "the norm r is not finite: the profile goes as 1/r at 0";
     }
   }
-  object["albedo"] = {{"profile", rgb_json(profile.albedo())}, {"fit", rgb_json(total)}};
+  object["albedo"] = {{"profile", rgb_json(profile.albedo())}, {"fit", rgb_json(fit.total_weight())}};
   for (const FitTarget& target : targets) object["domain_mm"].push_back({target.r_min_mm, target.r_max_mm});
   object["curve"] = curve_json(targets, fit);
   return object;
@@ -161,7 +152,7 @@ GaussianFit score(const DiffusionProfile& profile, const Profile& gaussians, boo
     const Vec3d scale = (total.array() != 0.0).select(profile.albedo().cwiseQuotient(total), 0.0);
     for (GaussianLevel& level : scored.levels) level.weight = level.weight.cwiseProduct(scale);
   }
-  for (std::size_t c = 0; c < 3; ++c) scored.errors[c] = fit_errors(targets[c], channel_of(scored.levels, c));
+  for (std::size_t c = 0; c < 3; ++c) scored.errors[c] = fit_errors(targets[c], scored.channel(c));
   return scored;
 }
 

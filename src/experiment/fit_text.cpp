@@ -21,12 +21,6 @@ std::string asked_text(const FitSpec& asked, std::size_t gaussians) {
   return text;
 }
 
-Vec3d total_of(const GaussianFit& fit) {
-  Vec3d total = Vec3d::Zero();
-  for (const GaussianLevel& level : fit.levels) total += level.weight;
-  return total;
-}
-
 std::string percent(const std::optional<double>& error) {
   return error ? fmt::format("{:>12.4g}", 100.0 * *error) : fmt::format("{:>12}", "not finite");
 }
@@ -39,7 +33,7 @@ std::string caption(const DiffusionProfile& profile, const FitSpec& asked, const
     text += fmt::format("; relative error {:.3g} / {:.3g} / {:.3g} %", 100.0 * *fit.errors[0].in(norm),
                         100.0 * *fit.errors[1].in(norm), 100.0 * *fit.errors[2].in(norm));
   }
-  const Vec3d total = total_of(fit);
+  const Vec3d total = fit.total_weight();
   return text + fmt::format("; weights sum to {:.4g} / {:.4g} / {:.4g}", total[0], total[1], total[2]);
 }
 
@@ -60,7 +54,7 @@ std::string fit_table(const DiffusionProfile& profile, const FitSpec& asked, con
     text += fmt::format("{:>14.6g}{:>14.6g}{:>12.6f}{:>12.6f}{:>12.6f}\n", level.variance_mm2,
                         level.std_dev_mm(), level.weight[0], level.weight[1], level.weight[2]);
   }
-  const Vec3d total = total_of(fit);
+  const Vec3d total = fit.total_weight();
   const Vec3d albedo = profile.albedo();
   text += fmt::format("{:>28}{:>12.6f}{:>12.6f}{:>12.6f}\n", "sum", total[0], total[1], total[2]);
   text += fmt::format("{:>28}{:>12.6f}{:>12.6f}{:>12.6f}\n\n", "profile's albedo", albedo[0], albedo[1],

@@ -10,8 +10,6 @@
 namespace truescatter {
 namespace {
 
-constexpr double kRadiusStdDevs = 3.0;  // as of any list of Gaussians
-
 std::string gaussians_text(std::size_t count) {
   return fmt::format("{} Gaussian{}", count, count == 1 ? "" : "s");
 }
@@ -19,22 +17,19 @@ std::string gaussians_text(std::size_t count) {
 // Fitted now, or in a file.
 Profile fitted_profile(const ExperimentSpec& experiment, const ProfileSpec& spec, Plan& plan) {
   Profile profile;
-  profile.name = spec.name;
-  std::vector<GaussianLevel> levels;
   if (spec.fit->file.empty()) {
     const DiffusionProfile& of = plan.approximated.at(spec.name);
     const GaussianFit& fit = plan.fits.emplace(spec.name, fit_profile(of, *spec.fit)).first->second;
-    levels = fit.levels;
-    profile.title = fmt::format("{} for the {}", gaussians_text(levels.size()), of.title());
+    profile = sum_of_gaussians(spec.name, fit.levels);
+    profile.title = fmt::format("{} for the {}", gaussians_text(fit.levels.size()), of.title());
     profile.source = "fitted by this experiment";
   } else {
-    levels = read_fit(resolve_path(experiment, spec.fit->file, spec.fit->where));
-    profile.title = fmt::format("{} of {}", gaussians_text(levels.size()), spec.fit->file);
+    profile =
+        sum_of_gaussians(spec.name, read_fit(resolve_path(experiment, spec.fit->file, spec.fit->where)));
+    profile.title = fmt::format("{} of {}", gaussians_text(profile.terms.size()), spec.fit->file);
     profile.source = spec.fit->file;
   }
-  for (const GaussianLevel& level : levels)
-    profile.terms.push_back({Vec3d::Constant(level.variance_mm2), level.weight});
-  profile.r_max_mm = spec.r_max_mm > 0.0 ? spec.r_max_mm : kRadiusStdDevs * profile.widest_std_dev_mm();
+  if (spec.r_max_mm > 0.0) profile.r_max_mm = spec.r_max_mm;
   return profile;
 }
 

@@ -9,9 +9,6 @@
 namespace truescatter {
 namespace {
 
-// As of any list of Gaussians; truths are not cut.
-constexpr double kRadiusStdDevs = 3.0;
-
 template <typename Named>
 const Named* find_named(const std::vector<Named>& known, const std::string& name) {
   const auto found = std::find_if(known.begin(), known.end(), [&](const Named& n) { return n.name == name; });
@@ -99,15 +96,6 @@ std::string text_of(const Vec3d& channels) {
   return fmt::format("[{}]", fmt::join(channels, ", "));
 }
 
-Profile profile_of(const GaussianMixture& mixture, const std::string& name) {
-  Profile profile;
-  profile.name = name;
-  for (const GaussianLevel& level : mixture.levels)
-    profile.terms.push_back({Vec3d::Constant(level.variance_mm2), level.weight});
-  profile.r_max_mm = kRadiusStdDevs * profile.widest_std_dev_mm();
-  return profile;
-}
-
 }  // namespace
 
 std::string DiffusionProfile::title() const {
@@ -156,10 +144,7 @@ GaussianFit fit_profile(const DiffusionProfile& profile, const FitSpec& fit) {
   options.max_variance_mm2 = fit.max_variance_mm2;
   options.seed = static_cast<std::uint64_t>(fit.seed);
   const std::array<FitTarget, 3> targets = profile.fit_targets();
-  if (options.norm == FitNorm::r && !targets[0].square_integrable) {
-    throw_input_error(fit.norm_where,
-                      "the norm r is not finite for a profile that goes as 1/r at 0: use area or r2");
-  }
+  located(fit.norm_where, [&] { require_finite(options.norm, targets[0]); });
   return located(fit.gaussians > 0 ? fit.where : fit.tolerance_where, [&] {
     return fit.gaussians > 0 ? fit_gaussians(targets, fit.gaussians, options)
                              : fit_to_tolerance(targets, fit.tolerance, options);
@@ -171,7 +156,7 @@ ProfileModel make_profile_model(const DiffusionProfile& profile, const std::stri
   const std::array<ImageSources, 3> channels = {sources(0), sources(1), sources(2)};
   return located(profile.spec.where, [&] {
     const GaussianMixture mixture = gaussian_mixture(channels, profile.spec.tolerance);
-    return ProfileModel{profile.spec,        channels,         profile_of(mixture, name),
+    return ProfileModel{profile.spec,        channels,         sum_of_gaussians(name, mixture.levels),
                         mixture.error_bound, profile.albedo(), profile.title()};
   });
 }

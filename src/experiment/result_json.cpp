@@ -16,8 +16,6 @@ json certificate_json(const Certificate& certificate, const AuditSample& audited
           {"weight", certificate.weight},         {"approximation", certificate.approximation}};
 }
 
-json rgb_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
-
 // What every truth says of itself.
 void put_truth(json& object, const std::string& view, const Profile& profile, const TruthImage& truth,
                const AuditSample& audited) {
@@ -30,6 +28,8 @@ void put_truth(json& object, const std::string& view, const Profile& profile, co
 }
 
 }  // namespace
+
+json rgb_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 
 json target_json(const OwnTarget& target) {
   json object = {{"metric", target.geodesic ? "geodesic" : "euclidean"},

@@ -17,6 +17,9 @@ nlohmann::json scene_json(const ExperimentSpec& spec, const PreparedScene& scene
 nlohmann::json profile_json(const Profile& profile);
 // What a profile approximates: the model with its coefficients, its albedo, and the mixture that stands for
 // it.
+// [r, g, b].
+nlohmann::json rgb_json(const Vec3d& rgb);
+
 // As FIT.json has it, without the curve.
 nlohmann::json profile_fit_json(const DiffusionProfile& profile, const FitSpec& asked,
                                 const GaussianFit& fit);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/error.h"
 #include "core/vec.h"
 
 namespace truescatter {
@@ -62,6 +63,11 @@ std::optional<FitNorm> find_norm(std::string_view name) {
   for (const FitNorm norm : kFitNorms)
     if (name_of(norm) == name) return norm;
   return std::nullopt;
+}
+
+void require_finite(FitNorm norm, const FitTarget& target) {
+  if (norm == FitNorm::r && !target.square_integrable)
+    throw_input_error({}, "the norm r is not finite for a profile that goes as 1/r at 0: use area or r2");
 }
 
 double sum_value(std::span<const WeightedGaussian> sum, double r_mm) {

@@ -29,6 +29,9 @@ std::string_view name_of(FitNorm norm);
 // Nothing for another name.
 std::optional<FitNorm> find_norm(std::string_view name);
 
+// Throws Error (input) where the norm is not finite for the target.
+void require_finite(FitNorm norm, const FitTarget& target);
+
 // w_i G(v_i, r) of one channel.
 struct WeightedGaussian {
   double variance_mm2;

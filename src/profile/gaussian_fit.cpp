@@ -19,7 +19,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kMostGaussians = 16;
 // Quadratic norms are smooth integrands: radial_nodes says how good this is. The area norm has kinks.
 constexpr double kNodesPerUnit = 6.0;
 constexpr double kNodesPerUnitOfArea = 16.0;
@@ -157,9 +156,7 @@ void require_valid(std::span<const FitTarget> targets, int gaussians, const FitO
     throw_input_error({}, "{} Gaussians: a fit has 1 to {}", gaussians, kMostGaussians);
   }
   for (const FitTarget& target : targets) {
-    if (options.norm == FitNorm::r && !target.square_integrable) {
-      throw_input_error({}, "the norm r is not finite for a profile that goes as 1/r at 0: use area or r2");
-    }
+    require_finite(options.norm, target);
     const std::size_t points = target.breaks_mm.size();
     if (points > 0 && points < 2 * static_cast<std::size_t>(gaussians)) {
       throw_input_error({}, "{} Gaussians have {} unknowns a channel, and the table has {} points", gaussians,
@@ -342,6 +339,19 @@ GaussianFit fit_channels(const std::array<FitTarget, 3>& targets, bool shared, c
 }
 
 }  // namespace
+
+std::vector<WeightedGaussian> GaussianFit::channel(std::size_t c) const {
+  std::vector<WeightedGaussian> sum;
+  for (const GaussianLevel& level : levels)
+    sum.push_back({level.variance_mm2, level.weight[static_cast<Index>(c)]});
+  return sum;
+}
+
+Vec3d GaussianFit::total_weight() const {
+  Vec3d total = Vec3d::Zero();
+  for (const GaussianLevel& level : levels) total += level.weight;
+  return total;
+}
 
 double GaussianFit::worst(FitNorm norm) const {
   double worst = 0.0;

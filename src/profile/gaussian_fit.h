@@ -11,6 +11,8 @@
 
 namespace truescatter {
 
+inline constexpr int kMostGaussians = 16;  // of a fit
+
 struct FitOptions {
   FitNorm norm = FitNorm::r;
   bool nonnegative = true;                 // weights >= 0; else of either sign
@@ -26,7 +28,9 @@ struct FitOptions {
 struct GaussianFit {
   std::vector<GaussianLevel> levels;  // variances ascending; a channel that does not use one has weight 0
   std::array<FitErrors, 3> errors;    // of each channel
-  double worst(FitNorm norm) const;   // of the channels
+  std::vector<WeightedGaussian> channel(std::size_t c) const;
+  Vec3d total_weight() const;        // per channel
+  double worst(FitNorm norm) const;  // of the channels
 };
 
 // Whether a sum has no weight in a channel, as a published one that is of another channel alone.

@@ -94,6 +94,16 @@ std::vector<GaussianLevel> gaussian_levels(const Profile& profile) {
   return levels;
 }
 
+Profile sum_of_gaussians(const std::string& name, const std::vector<GaussianLevel>& levels) {
+  constexpr double kRadiusStdDevs = 3.0;
+  Profile profile;
+  profile.name = name;
+  for (const GaussianLevel& level : levels)
+    profile.terms.push_back(shared_term(level.variance_mm2, level.weight));
+  profile.r_max_mm = kRadiusStdDevs * profile.widest_std_dev_mm();
+  return profile;
+}
+
 const std::vector<Profile>& builtin_profiles() {
   static const std::vector<Profile> profiles = {spike_and_base(), spike_and_base_sigma(),
                                                 skin_six_gaussian()};

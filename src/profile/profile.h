@@ -44,6 +44,9 @@ struct GaussianLevel {
 // The distinct variances of a profile, ascending; channels that do not use one have weight 0 there.
 std::vector<GaussianLevel> gaussian_levels(const Profile& profile);
 
+// A profile of these Gaussians alone, whose filters reach three standard deviations of the widest.
+Profile sum_of_gaussians(const std::string& name, const std::vector<GaussianLevel>& levels);
+
 // The published profiles that are built in, by name:
 //   spike-and-base        Mikkelsen 2010 table 1, "variance" read as a variance (the default reading:
 //                         3 sqrt(2.3) = 4.55 mm is his r_max of 4.5 mm)
