@@ -163,6 +163,7 @@ struct OwnMethodSpec {
   bool normalised = true;
   std::optional<double> r_max_mm;
   bool visible_only = false;
+  bool transmittance = false;
 };
 
 struct MethodSpec {
@@ -184,8 +185,10 @@ struct TruthSpec {
   // Every method is measured against the Euclidean truth of the visible surface too.
   bool visible_only = false;
   // At how many pixels of each view Euclidean less geodesic truth is split by the ways that light takes; 0:
-  // none.
+  // none. Methods with transmittance are measured against their own target at these, or at `audit_points`.
   int light_paths = 0;
+
+  int transmittance_points() const { return light_paths > 0 ? light_paths : audit_points; }
   bool cache = true;  // truths are looked for in the user's cache, and kept there
 };
 

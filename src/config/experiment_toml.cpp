@@ -352,6 +352,11 @@ void read_target(TomlTable table, OwnMethodSpec& own) {
   own.visible_only = table.flag("visible_only", own.visible_only);
   if (own.geodesic && own.visible_only)
     table.fail("visible_only", "'method.target.visible_only' is for the Euclidean metric");
+  own.transmittance = table.flag("transmittance", own.transmittance);
+  if (own.transmittance && own.visible_only) {
+    table.fail("transmittance",
+               "'method.target.transmittance' comes from what the view does not see: not with visible_only");
+  }
   table.finish();
 }
 
@@ -640,7 +645,8 @@ std::string own_method_toml(const ExperimentSpec& spec, const OwnMethodSpec& own
 std::string own_tables_toml(const ExperimentSpec& spec, const OwnMethodSpec& own) {
   std::string text = "[method.target]\n" +
                      line("metric", std::string(own.geodesic ? "geodesic" : "euclidean")) +
-                     line("normalised", own.normalised) + line("visible_only", own.visible_only);
+                     line("normalised", own.normalised) + line("visible_only", own.visible_only) +
+                     line("transmittance", own.transmittance);
   if (own.r_max_mm) text += line("r_max_mm", *own.r_max_mm);
   for (const OwnMethodSpec::Pass& pass : own.passes) {
     text +=

@@ -164,7 +164,7 @@ class GeodesicSource : public LayerSource {
 }  // namespace
 
 LayerKind kind_of(const OwnTarget& target) {
-  assert(!(target.geodesic && target.visible_only));
+  assert(!(target.geodesic && target.visible_only) && !target.transmittance);
   if (target.geodesic) return LayerKind::geodesic;
   return target.visible_only ? LayerKind::visible : LayerKind::euclidean;
 }

@@ -39,7 +39,7 @@ std::vector<gpu::ShaderText> included(const ExperimentSpec& spec, const OwnMetho
 }
 
 OwnTarget target_of(const OwnMethodSpec& own) {
-  return {own.geodesic, own.normalised, own.r_max_mm, own.visible_only};
+  return {own.geodesic, own.normalised, own.r_max_mm, own.visible_only, own.transmittance};
 }
 
 Method picture_method(const MethodSpec& method) {

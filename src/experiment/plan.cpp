@@ -126,11 +126,12 @@ std::string describe_truth(const std::string& view, const PlannedTruth& truth) {
   if (!truth.rung_of.empty()) roles.push_back(fmt::format("rung of {}", fmt::join(truth.rung_of, ", ")));
   if (!truth.not_computed.empty()) roles.push_back("not computed: " + truth.not_computed);
   return fmt::format(
-      "truth {}: {}, {}, {}{}, {} Gaussians; {}\n", truth_id(view, *truth.profile, truth.target),
+      "truth {}: {}, {}, {}{}{}, {} Gaussians; {}\n", truth_id(view, *truth.profile, truth.target),
       truth.target.geodesic ? "geodesic" : "Euclidean", truth.target.normalised ? "normalised" : "raw",
       truth.target.r_max_mm ? fmt::format("cut at {} mm", *truth.target.r_max_mm) : "not cut",
-      truth.target.visible_only ? ", visible surface only" : "", gaussian_levels(*truth.profile).size(),
-      fmt::join(roles, "; "));
+      truth.target.visible_only ? ", visible surface only" : "",
+      truth.target.transmittance ? ", with what comes through the body, at a sample of pixels" : "",
+      gaussian_levels(*truth.profile).size(), fmt::join(roles, "; "));
 }
 
 std::string describe_model_truth(const std::string& view, const Profile& profile, const ProfileModel& model) {
@@ -216,7 +217,7 @@ std::vector<PlannedTruth> planned_truths(const Plan& plan, bool has_uvs) {
                                       [&](const PlannedTruth& t) { return t.target == target; });
       if (known != truths.end()) return *known;
       truths.push_back({&profile, target, {}});
-      if (target.geodesic) truths.back().not_computed = plan.no_geodesics;
+      if (target.follows_surface()) truths.back().not_computed = plan.no_geodesics;
       return truths.back();
     };
     truth_of(OwnTarget{});
@@ -238,6 +239,7 @@ std::string truth_id(const std::string& view, const Profile& profile, const OwnT
   std::string id =
       fmt::format("{}/{}/{}{}-{}", view, profile.name, target.geodesic ? "geodesic" : "euclidean",
                   target.visible_only ? "-visible" : "", target.normalised ? "normalised" : "raw");
+  if (target.transmittance) id += "-transmittance";
   if (target.r_max_mm) id += fmt::format("-r{:.4g}", *target.r_max_mm);
   return id;
 }

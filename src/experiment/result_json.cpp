@@ -34,7 +34,8 @@ json rgb_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 json target_json(const OwnTarget& target) {
   json object = {{"metric", target.geodesic ? "geodesic" : "euclidean"},
                  {"normalised", target.normalised},
-                 {"visible_only", target.visible_only}};
+                 {"visible_only", target.visible_only},
+                 {"transmittance", target.transmittance}};
   object["r_max_mm"] = target.r_max_mm ? json(*target.r_max_mm) : json();
   return object;
 }

@@ -15,8 +15,6 @@ namespace truescatter {
 // The mesh, its shading mesh and UVs, and how well irradiance is resolved.
 nlohmann::json scene_json(const ExperimentSpec& spec, const PreparedScene& scene);
 nlohmann::json profile_json(const Profile& profile);
-// What a profile approximates: the model with its coefficients, its albedo, and the mixture that stands for
-// it.
 // [r, g, b].
 nlohmann::json rgb_json(const Vec3d& rgb);
 
@@ -24,9 +22,11 @@ nlohmann::json rgb_json(const Vec3d& rgb);
 nlohmann::json profile_fit_json(const DiffusionProfile& profile, const FitSpec& asked,
                                 const GaussianFit& fit);
 
+// What a profile approximates: the model with its coefficients, its albedo, and the mixture that stands for
+// it.
 nlohmann::json profile_model_json(const ProfileModel& model);
 nlohmann::json settings_json(const Settings& settings);
-// metric, normalised, visible_only, r_max_mm.
+// metric, normalised, visible_only, transmittance, r_max_mm.
 nlohmann::json target_json(const OwnTarget& target);
 // An entry of truths[]: the target with its id, roles, cost and certificate.
 nlohmann::json truth_json(const std::string& view, const PlannedTruth& planned, const TruthImage& truth,

@@ -61,7 +61,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const SurfaceBuffers buffers(context, scene.shading, scene.lights);
   const std::vector<PlannedTruth> planned = planned_truths(plan, buffers.has_uvs());
   const bool geodesic = std::any_of(planned.begin(), planned.end(), [](const PlannedTruth& truth) {
-    return truth.target.geodesic && truth.not_computed.empty();
+    return truth.target.follows_surface() && truth.not_computed.empty();
   });
   const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, cache, wrap);
   const std::filesystem::path inputs = options.export_inputs ? folder / "inputs" : "";

@@ -26,7 +26,7 @@ SceneTruths::SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool
 }
 
 std::string SceneTruths::obstacle(const OwnTarget& target) const {
-  return target.geodesic ? no_geodesics_ : "";
+  return target.follows_surface() ? no_geodesics_ : "";
 }
 
 std::unique_ptr<LayerSource> SceneTruths::plain_source(LayerKind kind, const ViewPoints& points,

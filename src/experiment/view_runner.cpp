@@ -239,7 +239,8 @@ class ViewRunner {
   void compute_truths() {
     std::vector<ViewTruth::Request> requests;
     for (const PlannedTruth& truth : planned_) {
-      if (missing(truth).empty()) requests.push_back({truth.profile, truth.target});
+      if (missing(truth).empty() && !truth.target.transmittance)
+        requests.push_back({truth.profile, truth.target});
     }
     for (const auto& [name, model] : setup_.plan.models) requests.push_back(request_of(model));
     const bool visible_only = std::any_of(requests.begin(), requests.end(),
@@ -263,10 +264,7 @@ class ViewRunner {
 
   void measure_profile(const Profile& profile, Progress& progress) {
     const ProfileTruths truths = assemble(profile);
-    if (setup_.spec.truth.light_paths > 0) {
-      results_["light_paths"].push_back(
-          light_paths_json(name_, {setup_.scene, setup_.truths, truth_, profile, setup_.spec.truth}));
-    }
+    if (setup_.spec.truth.light_paths > 0) add_light_paths(profile);
     const TruthImage& headline = truths.headline().image;
     const FlipReference flip(exposed(headline.rgb, setup_.exposure()));
     add_truths(profile, truths);
@@ -282,13 +280,15 @@ class ViewRunner {
     maps_.measured = measured_mask(std::move(maps_.measured), headline.smallest_mass);
   }
 
-  ProfileTruths assemble(const Profile& profile) const {
+  ProfileTruths assemble(const Profile& profile) {
     ProfileTruths truths;
     for (const PlannedTruth& planned : planned_) {
       if (planned.profile != &profile) continue;
       ViewedTruth truth{planned, missing(planned), {}, {}};
       if (truth.missing.empty()) {
-        truth.image = truth_.image({&profile, planned.target});
+        truth.image = planned.target.transmittance
+                          ? light_paths(profile, planned.target.r_max_mm).truth(planned.target)
+                          : truth_.image({&profile, planned.target});
         // What the headline counts apart is not measured at all. A raw truth divides by no mass.
         truth.mask = truths.all.empty() ? images_.mask : truths.headline().mask;
         if (planned.target.normalised)
@@ -299,17 +299,46 @@ class ViewRunner {
     return truths;
   }
 
+  // Made when they are first asked for; the last one is kept.
+  const LightPathSample& light_paths(const Profile& profile, std::optional<double> r_max_mm = {}) {
+    const double parted_mm = r_max_mm.value_or(profile.r_max_mm);
+    if (!light_paths_ || light_paths_of_ != std::pair(&profile, parted_mm)) {
+      const auto points = static_cast<std::size_t>(setup_.spec.truth.transmittance_points());
+      light_paths_.emplace(LightPathInputs{setup_.scene, setup_.truths, truth_, profile, parted_mm, points,
+                                           setup_.spec.truth.seed});
+      light_paths_of_ = {&profile, parted_mm};
+    }
+    return *light_paths_;
+  }
+
+  void add_light_paths(const Profile& profile) {
+    const std::string obstacle = setup_.truths.obstacle(OwnTarget{.geodesic = true});
+    results_["light_paths"].push_back(obstacle.empty()
+                                          ? light_paths(profile).parts(name_, setup_.spec.truth.tolerance)
+                                          : json{{"view", name_},
+                                                 {"profile", profile.name},
+                                                 {"r_max_mm", profile.r_max_mm},
+                                                 {"not_computed", obstacle}});
+  }
+
+  // At how many pixels a truth is known.
+  std::size_t points_of(const OwnTarget& target) const {
+    const auto sampled = static_cast<std::size_t>(setup_.spec.truth.transmittance_points());
+    const std::size_t all = truth_.points().size();
+    return target.transmittance ? std::min(sampled, all) : all;
+  }
+
   void add_truths(const Profile& profile, const ProfileTruths& truths) {
     const std::string stem = name_ + "." + profile.name + ".truth";
     for (const ViewedTruth& viewed : truths.all) {
       if (!viewed.missing.empty()) continue;
       json truth = truth_json(name_, viewed.planned, viewed.image, truth_.audited());
-      truth["points"] = truth_.points().size();
+      truth["points"] = points_of(viewed.planned.target);
       if (viewed.planned.target.visible_only) {
         const VisibilityBound bound = visibility_bound(viewed);
         truth["visibility_bound"] = {{"rms", bound.rms}, {"max", bound.max}};
       }
-      truth["low_mass_pixels"] = skin_pixels(images_.mask) - skin_pixels(viewed.mask);
+      truth["low_mass_pixels"] = points_of(viewed.planned.target) - skin_pixels(viewed.mask);
       if (viewed.planned.is_headline())
         truth["files"] = {{"picture", "maps/" + stem + ".png"}, {"exr", "maps/" + stem + ".exr"}};
       results_["truths"].push_back(truth);
@@ -378,8 +407,10 @@ class ViewRunner {
     run["cost"] = measured.cost;
     if (measured.cost.is_null()) run["cost_reason"] = "a picture made elsewhere: nothing of it ran here";
     add_metrics(run, measured.exitance, against);
-    run["own_target"] =
-        error_against(against.truths.of(method.own_target(profile, planned.settings)), measured.exitance);
+    const OwnTarget own = method.own_target(profile, planned.settings);
+    run["own_target"] = error_against(against.truths.of(own), measured.exitance);
+    if (own.transmittance)
+      add_headline_there(run["own_target"], against.truths.of(own), measured.exitance, against);
     for (const ViewedTruth& truth : against.truths.all) {
       if (truth.planned.extra) run["extra_targets"].push_back(error_against(truth, measured.exitance));
     }
@@ -507,6 +538,15 @@ class ViewRunner {
     return error;
   }
 
+  // The headline's error over the pixels of a sample, so that the two can be compared.
+  static void add_headline_there(json& own, const ViewedTruth& truth, const Image& exitance,
+                                 const Comparison& against) {
+    if (!truth.missing.empty()) return;
+    own["sampled"] = {
+        {"points", skin_pixels(truth.mask)},
+        {"headline_metrics", error_stats_json(exitance, against.truths.headline().image.rgb, truth.mask)}};
+  }
+
   void add_maps(json& run, const std::string& name, const Image& exitance, const Comparison& against) {
     const std::string stem = name_ + "." + name;
     run["files"] = {{"picture", "maps/" + stem + ".png"},
@@ -531,6 +571,8 @@ class ViewRunner {
   ViewTruth truth_;
   std::map<std::string, ProfileTruth> profile_truths_;  // by the names of the profiles that approximate them
   ContourMap contours_;
+  std::optional<LightPathSample> light_paths_;
+  std::pair<const Profile*, double> light_paths_of_;
   ViewMaps maps_;
   std::map<std::string, Image> drawn_;  // under the current profile, by the methods' labels; for ladders
 };

@@ -25,13 +25,12 @@ std::string_view name_of(LayerKind kind) {
   std::abort();
 }
 
-// The Gaussian's mass on a plane.
+}  // namespace
+
 double plane_mass(const TruthLayer& layer) {
   const double q = layer.r_max_mm / layer.std_dev_mm;
   return -std::expm1(-0.5 * q * q);
 }
-
-}  // namespace
 
 ViewTruth::ViewTruth(const PreparedScene& scene, const FrameImages& images)
     : scene_(scene), images_(images), points_(view_points(scene, images)) {}

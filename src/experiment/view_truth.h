@@ -20,6 +20,9 @@ namespace truescatter {
 // As a share of a plane's: pixels with less mass are counted apart.
 inline constexpr double kSmallMass = 0.5;
 
+// The layer's mass on a plane.
+double plane_mass(const TruthLayer& layer);
+
 // What a truth aims at: the headline (Euclidean, normalised, not cut), or another target.
 struct TruthImage {
   Image rgb;  // 0 off the skin

@@ -18,9 +18,15 @@ namespace truescatter {
 struct OwnTarget {
   bool geodesic = false;
   bool normalised = true;
-  std::optional<double> r_max_mm;  // none: not cut off
-  bool visible_only = false;       // what the view does not see gives no light; not with geodesics
+  std::optional<double> r_max_mm = std::nullopt;  // none: not cut off
+  bool visible_only = false;  // what the view does not see gives no light; not with geodesics
+  // And what comes through the body: raw light from beyond r_max (the profile's if not cut off) along the
+  // surface whose straight way lies inside. What is normalised is the local part, within r_max along the
+  // surface where it is cut off, by either distance; nothing is counted twice. LightPathSample has the
+  // formulas.
+  bool transmittance = false;
 
+  bool follows_surface() const { return geodesic || transmittance; }
   bool operator==(const OwnTarget&) const = default;
 };
 

@@ -9,13 +9,14 @@
 namespace truescatter {
 namespace {
 
-constexpr double kTail = 1e-5;       // of a plane's mass: where the sum ends
 constexpr std::size_t kDegree5 = 2;  // of triangle_rules()
 
 // In barycentric coordinates.
 const std::array<Vec3d, 3> kWhole = {Vec3d::UnitX(), Vec3d::UnitY(), Vec3d::UnitZ()};
 
-double reach_mm(double std_dev_mm) { return std_dev_mm * std::sqrt(-2.0 * std::log(kTail)); }
+double reach_mm(double std_dev_mm) {
+  return std_dev_mm * std::sqrt(-2.0 * std::log(LightPathEngine::tail_bound()));
+}
 
 double gaussian(double std_dev_mm, double distance_mm) {
   const double variance = std_dev_mm * std_dev_mm;
@@ -141,6 +142,7 @@ void LightPathEngine::add_node(const Seen& seen, std::size_t piece, const Vec3d&
   const bool inwards = way.dot(frames_[seen.face].normal) < 0.0 && way.dot(frames_[face].normal) > 0.0;
   const bool inside = inwards && !body_.crossed_between(seen.point_mm, seen.face, position_mm, face);
   (inside ? paths.transmittance : paths.air) += difference;
+  if (inside) paths.through += straight * light;
 }
 
 std::vector<std::vector<LightPaths>> LightPathEngine::split(std::span<const GeodesicTarget> targets,

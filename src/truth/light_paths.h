@@ -26,6 +26,10 @@ struct LightPaths {
   Vec4d air = Vec4d::Zero();        // the same, where it leaves the body, as across a crease
   Vec4d curvature = Vec4d::Zero();  // d <= r_max
   Vec4d beyond = Vec4d::Zero();     // integral of G(d) I dA over d > r_max: what the cut-off itself costs
+  // Integral of G(|x - x_o|) I dA over where transmittance is taken: what comes through the body to a local
+  // method that cuts its light off at r_max along the surface. In none of the sums; transmittance is this
+  // less what of `beyond` comes from there.
+  Vec4d through = Vec4d::Zero();
 
   Vec4d sum() const { return transmittance + air + curvature; }
 };
@@ -55,6 +59,9 @@ class LightPathEngine {
   std::vector<std::vector<LightPaths>> split(std::span<const GeodesicTarget> targets,
                                              std::span<const double> std_devs_mm, double r_max_mm) const;
 
+  // Beyond the sum's end, of a plane evenly lit.
+  static double tail_bound() { return kTail; }
+
  private:
   // A face's frame in space.
   struct Frame {
@@ -66,6 +73,8 @@ class LightPathEngine {
     Vec3d position_mm(const Vec2d& x) const { return origin_mm + x.x() * along + x.y() * across; }
   };
   struct Seen;
+
+  static constexpr double kTail = 1e-5;  // of a plane's mass: where the sum ends
 
   // `part`: its corners, in the piece's barycentric coordinates.
   void add_part(const Seen& seen, std::size_t piece, const std::array<Vec3d, 3>& part,

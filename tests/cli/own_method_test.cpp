@@ -320,6 +320,9 @@ TEST_F(OwnShaderErrors, KeysAndNames) {
                         {"e.toml:30:10: 'method.target.metric' is \"manhattan\""});
   expect_refused_shader(kPlain, kOnePass + "[method.target]\nmetric = \"geodesic\"\nvisible_only = true\n",
                         {"e.toml:31:16: 'method.target.visible_only' is for the Euclidean metric"});
+  expect_refused_shader(kPlain, kOnePass + "[method.target]\nvisible_only = true\ntransmittance = true\n",
+                        {"e.toml:31:17: 'method.target.transmittance' comes from what the view does not see: "
+                         "not with visible_only"});
 }
 
 // What shows only in the picture: nothing is written either.

@@ -654,6 +654,24 @@ TEST_F(CliRun, SplitsLightByItsWayWhereAskedTo) {
   EXPECT_TRUE(json("out/results.json").at("light_paths").empty());
 }
 
+// A method with transmittance has the truth of what it sets out to compute at as many pixels as are audited.
+void expect_sampled_own_target(const Json& results) {
+  const Json& run = results.at("runs").at(0);
+  const Json& own = run.at("own_target");
+  EXPECT_EQ(own.at("transmittance"), true);
+  EXPECT_GT(own.at("sampled").at("points").get<int>(), 200);
+  EXPECT_LE(own.at("sampled").at("points").get<int>(), 256);
+  EXPECT_EQ(own.at("sampled").at("headline_metrics").size(), own.at("metrics").size());
+  EXPECT_LT(own.at("metrics").at("rmse"), run.at("metrics").at("rmse")) << run.at("label");
+  for (const Json& truth : results.at("truths")) {
+    if (truth.at("id") != own.at("truth")) continue;
+    EXPECT_EQ(truth.at("points"), 256);
+    EXPECT_EQ(truth.at("own_target_of"), Json::array({run.at("label")}));
+    return;
+  }
+  ADD_FAILURE() << "no truth " << own.at("truth");
+}
+
 // A slab lit from behind: through it comes light, unless the mask leaves no transmitter.
 TEST_F(CliRun, LetsLightThroughTransmittersOnly) {
   write_png(folder_.path() / "dark.png", Image(8, 8, 3, 0.0F));
@@ -674,6 +692,7 @@ TEST_F(CliRun, LetsLightThroughTransmittersOnly) {
        {std::pair("pscbf", "pscbf-transmit"), std::pair("texture-space", "texture-space-transmit")}) {
     const std::string experiment = slab(local, transmitting);
     EXPECT_GT(difference(experiment), 0.1) << transmitting;
+    expect_sampled_own_target(json("out/results.json"));
     EXPECT_EQ(difference(with(experiment, "[scene.parameters]",
                               "transmitter_mask = \"dark.png\"\n[scene.parameters]")),
               0.0)

@@ -15,8 +15,8 @@
 namespace truescatter {
 namespace {
 
-// LightPathEngine leaves out what lies beyond the distance where a plane keeps 1e-5.
-constexpr double kTail = 1e-5;
+// LightPathEngine leaves out what lies beyond the distance where a plane keeps this much.
+const double kTail = LightPathEngine::tail_bound();
 
 double normal_density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi); }
 
@@ -118,11 +118,26 @@ TEST(LightPaths, PassThroughASlab) {
     EXPECT_NEAR(paths.transmittance[1], kBackLight * mass, 2e-5 + kTail) << thickness_mm;
     EXPECT_LT(std::abs(paths.air[3]), 1e-12);
     EXPECT_LT(std::abs(paths.curvature[3]), 1e-12);
+    // No geodesic within reach leads to the far side: the same sum.
+    EXPECT_EQ(paths.through[1], paths.transmittance[1]);
     // Along the near side: exp(-4.5^2 / 2 s^2) of the plane; that circle crosses parts of s / 2, each of
     // which may be off by its own area times G there: a part has 0.11 s^2, the circle meets 2 pi 4.5 / 0.5 s
     // of them, and their errors are random: sqrt(38) * 0.11 / 2 pi * exp(-4.5) / 2 = 6e-4.
     EXPECT_NEAR(paths.beyond[3], std::exp(-4.5), 6e-4);
   }
+}
+
+// In a convex body every straight way between two points lies inside, so what comes through is all that lies
+// beyond r_max along the surface, and more than the way along it brings by transmittance: the same nodes,
+// summed in another order, 1e-12 of them. Faces that share a plane have straight ways along themselves, which
+// are taken for ways outside; there both distances are the same. What of `beyond` comes from them is the
+// point's own facet, whose radius stays below r_max.
+TEST(LightPaths, ComeThroughAConvexBodyFromAllThatIsFar) {
+  const LitMesh sphere(moved(make_builtin("sphere", {{"radius_mm", 6.0}, {"edge_mm", 1.5}}), kAway));
+  const LightPaths paths = sphere.split(sphere.nearest(kAway + Vec3d(0.2, 0.3, 6.0)), 2.5, 4.0);
+  EXPECT_GT(paths.beyond[3], 0.1);
+  EXPECT_LT(std::abs(paths.air[3]), 1e-12);
+  EXPECT_NEAR(paths.through[3], paths.transmittance[3] + paths.beyond[3], 1e-12);
 }
 
 TEST(LightPaths, LeaveNothingOnAPlane) {

@@ -97,7 +97,9 @@ Method pscbf_transmit_method() {
   method.name = "pscbf-transmit";
   method.title = "Pseudo-separable filter with transmittance";
   method.source = "Mikkelsen 2010, section 6";
-  method.own_target = [](const Profile&, const Settings&) { return OwnTarget{}; };
+  method.own_target = [](const Profile& profile, const Settings& settings) {
+    return OwnTarget{.r_max_mm = r_max_mm(profile, settings), .transmittance = true};
+  };
   method.prepare = prepare;
   return method;
 }

@@ -19,7 +19,9 @@
 //
 // Settings: those of pscbf, for the local part; placement and r_max_mm serve these taps too. Transmitters are the skin that
 //   the scene's `transmitter_mask` marks, without one all of it; the mask is read at the centroids of triangles.
-// Own target: Euclidean, normalised, not cut off: what light through the body adds to the local filter's.
+// Own target: the local filter's, Euclidean and normalised over what lies within r_max along the surface, and added to
+//   it, raw, the light from farther along the surface whose straight way lies inside the body. All skin lets light
+//   through there: the transmitters' mask is the method's saving.
 // Cost: pscbf, two passes over the geometry, and one of up to 3 + 16 * 2 reads for each Gaussian.
 // Fails: thickness is taken along the view, so a slab seen at an angle theta seems 1 / cos(theta) thicker, and the
 //   taps' depths spread by s sin(theta): T = exp(-a^2 / 2 b^2) / b with a = t / (s cos(theta)), b^2 = 1 +

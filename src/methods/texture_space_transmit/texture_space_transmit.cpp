@@ -277,7 +277,9 @@ Method texture_space_transmit_method() {
   method.limits = {.rounding = 1e-5, .identity_per_texel = 1.42};
   method.needs_uvs = true;
   method.settings = settings();
-  method.own_target = [](const Profile&, const Settings&) { return OwnTarget{}; };
+  method.own_target = [](const Profile&, const Settings&) {
+    return OwnTarget{.geodesic = true, .transmittance = true};
+  };
   method.prepare = prepare;
   return method;
 }

@@ -44,7 +44,8 @@
 //   blend_std_devs          beta: 6 (d'Eon & Luebke; the walkthrough: 0.6); 0: b_i = 1
 //   decay_per_mm            0.2, as in the sources. Thickness beyond 68 / decay lets nothing through
 //
-// Own target: Euclidean, normalised, not cut off, as pscbf-transmit's.
+// Own target: texture-space's, geodesic and normalised, and added to it, raw, what the straight way through the body
+//   has more than the way along the surface, where that is longer than the profile's r_max.
 //
 // Measured on the built-in head, six Gaussians, at the ear, lit from behind (0.35, 0.25, -1), red, RMSE relative to
 // the truth: none 15.3 %, texture-space 7.2 %, this 5.3 %; pscbf 13.4 %, pscbf-transmit 9.7 %. thickness unblurred 7.9

@@ -136,7 +136,8 @@ function targetName(target) {
   const metric = (target.metric || "unknown").replace(/^./, (c) => c.toUpperCase());
   const cut = isNumber(target.r_max_mm) ? `r_max ${number(target.r_max_mm)} mm` : "no r_max";
   return `${metric}, ${target.normalised === false ? "raw" : "normalised"}, ${cut}` +
-      (target.visible_only ? ", visible surface only" : "");
+      (target.visible_only ? ", visible surface only" : "") +
+      (target.transmittance ? ", and what comes through the body" : "");
 }
 const headlineTarget =
     truths.length ? targetName(truths.find((t) => runs.some((r) => r.truth === t.id)) || truths[0]) : EN_DASH;

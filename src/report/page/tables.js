@@ -13,12 +13,20 @@ const inPercent = (get) => (run, channel) => {
   return {...found, value: found.value === null ? null : 100 * found.value};
 };
 
+// What the headline's error is at the pixels of an own target that is known at a sample of them.
+function sampledNote(own, channel) {
+  if (!own.sampled) return "";
+  const found = lookUp(channelOf(own.sampled.headline_metrics, channel), "rmse");
+  return `; at ${plural(own.sampled.points || 0, "pixel")} drawn at random, where the headline error is ${
+      found.value === null ? EN_DASH : number(inErrorUnits(found.value))}`;
+}
+
 function ownError(run, channel) {
   const own = run.own_target || {};
   const found = own.metrics ? lookUp(channelOf(own.metrics, channel), "rmse") :
                               {value: null, reason: own.metrics_reason || "not measured"};
   const doubt = own.distinguishable === false ? "; at or below that truth\u2019s uncertainty" : "";
-  return {...found, value: inErrorUnits(found.value), note: "against " + targetName(own) + doubt};
+  return {...found, value: inErrorUnits(found.value), note: "against " + targetName(own) + sampledNote(own, channel) + doubt};
 }
 
 const flip = (run, channel) =>
