@@ -4,6 +4,7 @@
 #include <list>
 
 #include "core/file.h"
+#include "experiment/filter_width.h"
 #include "experiment/map_files.h"
 #include "experiment/plan.h"
 #include "experiment/provenance.h"
@@ -97,6 +98,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   std::list<ViewMaps> views;
   for (const ViewSpec& view : spec.views) views.push_back(run_view(setup, view, results));
 
+  add_filter_widths(context, plan, buffers, results["ladders"]);
   const MapRanges ranges = common_ranges(results);
   results["maps"] = {{"range", ranges.errors},
                      {"ladder_range", ranges.ladder_steps},

@@ -28,12 +28,14 @@ function ladderRow(ladder, rung, channel, largest) {
     return h("span", {title: found.reason || null}, number(inErrorUnits(found.value), signed));
   };
   const energy = lookUp(soFar, "halo.energy").value;
+  const width = (key) => isNumber((rung.filter_width || {})[key]) ? rung.filter_width[key].toFixed(3) : EN_DASH;
   return h(
       "tr", {}, h("th", {scope: "row"}, rung.rung), h("td", {class: "assumption"}, rung.assumption),
       h("td", {}, stepPicture(ladder, rung)), h("td", {class: "bar-cell"}, ladderBar((step || {}).bias, largest)),
       h("td", {}, value(step, "bias", true)), h("td", {}, value(step, "rmse")), h("td", {}, value(step, "max")),
       h("td", {}, value(soFar, "bias", true)), h("td", {}, value(soFar, "rmse")),
-      h("td", {}, rung.step ? percent(energy) : EN_DASH));
+      h("td", {}, rung.step ? percent(energy) : EN_DASH),
+      ["facing", "along_slope", "across_slope"].map((key) => h("td", {}, width(key))));
 }
 
 function ladderTable(ladder, channel) {
@@ -48,9 +50,17 @@ function ladderTable(ladder, channel) {
         h("table", {class: "metrics ladder"},
           h("thead", {},
             h("tr", {}, h("th", {colspan: 3}), h("th", {colspan: 4}, "This assumption adds"),
-              h("th", {colspan: 3}, "All so far")),
+              h("th", {colspan: 3}, "All so far"),
+              h("th", {
+                colspan: 3,
+                title: "The mean of u\u00b2 under the filter's weights on a plane, as a share of the widest Gaussian's " +
+                    "variance: facing the camera, and turned away by 60\u00b0, in the direction in which it recedes " +
+                    "and perpendicular to it. Drawn by the method's own shaders under the irradiances 1 and u\u00b2."
+              },
+                "Variance left on a plane")),
             h("tr", {}, ["Rung", "Assumption", "Map", "bias", `bias${unit}`, `RMSE${unit}`, `max${unit}`,
-                         `bias${unit}`, `RMSE${unit}`, "halo energy"].map((text) => h("th", {}, text)))),
+                         `bias${unit}`, `RMSE${unit}`, "halo energy", "facing", "up a slope",
+                         "across it"].map((text) => h("th", {}, text)))),
           h("tbody", {},
             ladder.rungs.map((rung) => ladderRow(ladder, rung, channel, Math.max(...steps)))))),
       h("p", {class: "muted"},

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "experiment/plan.h"
+#include "gpu/context.h"
+#include "methods/method.h"
+#include "profile/profile.h"
+
+namespace truescatter {
+
+// The variance that a method's filter has on a plane, for one Gaussian of variance v: the mean of u^2 under
+// its weights, as shares of v, u being the distance along the plane. The truth's is 1; cut off at r_max it is
+// 1 - x / (e^x - 1) with x = r_max^2 / 2 v.
+struct FilterWidth {
+  double facing = 0.0;        // the plane faces the camera
+  double along_slope = 0.0;   // it is turned away by kSlopeDeg: in the direction in which it recedes
+  double across_slope = 0.0;  // and perpendicular to that
+};
+
+inline constexpr double kSlopeDeg = 60.0;
+
+// Measures it for the widest Gaussian of `profile`, of its standard deviation s and its r_max, by drawing a
+// plane of 15 s with the method's own shaders under the irradiances 1 and u^2, from so far that the picture
+// is parallel (2000 s): the exitance in the middle under the second over that under the first. A pixel there
+// is 1/8 s wide, or 1/96 where a method reads less than 80 texels a pixel: taps are rounded to pixels.
+//
+// Error. Irradiance is linear between vertices h = s / 17.3 apart, so u^2 is too large by h^2 / 6 on average,
+// which is subtracted, and by h^2 / 4 at most: 6e-4 of v for a single tap. Taps in pixels of p = s / 96
+// (twice that along the slope) err by p E|u| + p^2 / 4 at most, 0.009 (0.017), if all are rounded the same
+// way. Where a method's targets hold 16 bits: by 5e-4. The plane ends at 7.5 s, where 1e-11 of the variance
+// is left.
+class FilterWidthProbe {
+ public:
+  // The profile has a Gaussian; the context outlives this. A UV unit of the plane is as long as given, and at
+  // least the plane's 15 s: as many texels to a standard deviation as a scene has. What is filtered in
+  // texture space is measured once, facing: slopes do not matter to it.
+  FilterWidthProbe(const gpu::Context& context, const Profile& profile, double mm_per_uv_unit = 0.0);
+
+  // Throws Error (input) as preparing the method does.
+  FilterWidth measure(const Method& method, const Settings& settings) const;
+
+ private:
+  double share(const Method& method, const Settings& settings, double slope_deg, const Vec2d& along) const;
+
+  const gpu::Context& context_;
+  Profile gaussian_;  // that one alone, alike in all channels
+  double std_dev_mm_;
+  double mm_per_uv_unit_;
+};
+
+// 1 - x / (e^x - 1), x = r_max^2 / 2 v: what of a Gaussian's variance is left, normalised, where it is cut
+// off.
+double cut_variance_share(double variance_mm2, double r_max_mm);
+
+// Sets `filter_width` in every rung of `ladders` in results.json: facing, along_slope, across_slope and
+// slope_deg; of a truth's rung, which does not care for slopes, in closed form. Null where a profile has no
+// Gaussian, where the method is pictures, and where it was not run.
+void add_filter_widths(const gpu::Context& context, const Plan& plan, const SurfaceBuffers& scene,
+                       nlohmann::json& ladders);
+
+}  // namespace truescatter
