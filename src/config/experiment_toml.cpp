@@ -30,6 +30,8 @@ std::vector<CharacterSpec> read_characters(TomlTable& scene) {
   std::vector<CharacterSpec> characters;
   for (TomlTable& table : scene.tables("character")) {
     CharacterSpec character;
+    table.allow({"position_mm", "rotation_deg"});
+    table.finish();
     character.position_mm = table.vec3("position_mm");
     if (!(character.position_mm.cwiseAbs().maxCoeff() <= 1e6))
       table.fail("position_mm", "'scene.character.position_mm' must lie within 1e6 mm of the origin");
@@ -405,7 +407,9 @@ MethodSpec read_method(TomlTable table) {
   if (method.label == "truth")
     table.fail("label", "'method.label' must not be \"truth\": the truth's own files have it");
   table.allow({"image", "pass"});
-  if (table.has("image") || table.has("pass")) method.own = read_own_method(table, method.name);
+  // Keys of the two alone: `run` without a pass is a pass that was forgotten, not an unknown key.
+  if (table.has("image") || table.has("pass") || table.has("run"))
+    method.own = read_own_method(table, method.name);
   TomlTable settings = table.table("settings");
   for (const std::string& key : settings.keys()) {
     const toml::value& value = settings.raw(key);

@@ -58,17 +58,7 @@ toml::value read_toml_file(const std::filesystem::path& file) {
 }
 
 void fail_at(const toml::value& value, const std::string& message) {
-  const SourceLocation where = TomlTable::location_of(value);
-  std::string text = message;
-  if (where.line > 0) {
-    const toml::source_location location = value.location();
-    const std::string number = fmt::format("{}", where.line);
-    text +=
-        fmt::format("\n {} | {}\n {} | {}{}", number, location.line_str(), std::string(number.size(), ' '),
-                    std::string(static_cast<std::size_t>(std::max(0, where.column - 1)), ' '),
-                    "^" + std::string(std::max<std::size_t>(1, location.region()) - 1, '~'));
-  }
-  throw Error(ErrorKind::input, where, text);
+  throw Error(ErrorKind::input, TomlTable::location_of(value), message);
 }
 
 TomlTable::TomlTable(const toml::value& value, std::string path) : value_(&value), path_(std::move(path)) {
@@ -79,7 +69,14 @@ SourceLocation TomlTable::location_of(const toml::value& value) {
   const toml::source_location location = value.location();
   if (location.file_name() == "unknown file") return {};  // an absent table
   if (location.file_name().starts_with("--set ")) return {location.file_name()};
-  return {location.file_name(), static_cast<int>(location.line()), static_cast<int>(location.column())};
+  SourceLocation where{location.file_name(), static_cast<int>(location.line()),
+                       static_cast<int>(location.column())};
+  const std::string number = fmt::format("{}", where.line);
+  where.excerpt =
+      fmt::format(" {} | {}\n {} | {}{}", number, location.line_str(), std::string(number.size(), ' '),
+                  std::string(static_cast<std::size_t>(std::max(0, where.column - 1)), ' '),
+                  "^" + std::string(std::max<std::size_t>(1, location.region()) - 1, '~'));
+  return where;
 }
 
 SourceLocation TomlTable::where(const std::string& key) const {

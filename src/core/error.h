@@ -19,6 +19,7 @@ struct SourceLocation {
   std::string file;
   int line = 0;
   int column = 0;
+  std::string excerpt = {};  // the lines that show the place, underlined; empty: there are none
 
   // "file:line:column", without the parts that are not known.
   std::string str() const {
@@ -30,11 +31,13 @@ struct SourceLocation {
 };
 
 // The only exception type that the project throws. The message names the offending value and the rule
-// that it breaks; `where` names the file and line. Our own mistakes are assertions, not errors.
+// that it breaks; `where` names the file and line, and shows them. Our own mistakes are assertions, not
+// errors.
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, SourceLocation where, const std::string& message)
-      : std::runtime_error(where.file.empty() ? message : where.str() + ": " + message),
+      : std::runtime_error((where.file.empty() ? message : where.str() + ": " + message) +
+                           (where.excerpt.empty() ? "" : "\n" + where.excerpt)),
         kind_(kind),
         where_(std::move(where)) {}
 

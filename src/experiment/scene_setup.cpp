@@ -60,12 +60,22 @@ std::vector<CharacterPlace> places_of(const SceneSpec& scene) {
   return places;
 }
 
+// An image that a key names: what is wrong with it is told at the key.
+Image read_image_of(const std::filesystem::path& path, const SourceLocation& where) {
+  try {
+    return read_linear_colours(path);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    throw_input_error(where, "{}", error.what());
+  }
+}
+
 // The map of an environment, built in or from a file.
 Image load_environment(const ExperimentSpec& spec, const LightSpec& light) {
   if (light.map.starts_with(kBuiltinPrefix))
     return builtin_environment_map(light.map.substr(kBuiltinPrefix.size()), light.map_where);
   const std::filesystem::path path = resolve_path(spec, light.map, light.map_where);
-  Image map = read_linear_colours(path);
+  Image map = read_image_of(path, light.map_where);
   const auto refuse = [&](const std::string& rule) {
     throw_input_error(light.map_where, "'light.map' {}, but {} {}", rule, path.string(),
                       fmt::format("is {} x {} pixels of {} channel{}", map.width(), map.height(),
