@@ -98,6 +98,8 @@ int compare(const CompareArguments& arguments) {
   }
   nlohmann::json stats = error_stats_json(test, truth, mask);
   put_number(stats, "flip", mean_inside(flip_map(truth, test), mask), "no pixel to measure");
+  put_number(stats, "flip_hdr", mean_inside(HdrFlipReference(truth, mask).map(test), mask),
+             "no pixel to measure");
   if (arguments.json) {
     fmt::print("{}\n", stats.dump(1));
     return 0;
@@ -106,8 +108,8 @@ int compare(const CompareArguments& arguments) {
              "rel_rmse", "p50", "p95", "p99", "max");
   print_stats("luminance", stats);
   for (const char* channel : {"r", "g", "b"}) print_stats(channel, stats.at("channels").at(channel));
-  fmt::print("{} pixels; errors are test - truth; FLIP {}\n", stats.at("pixels").dump(),
-             stats.at("flip").dump());
+  fmt::print("{} pixels; errors are test - truth; FLIP {}, HDR-FLIP {}\n", stats.at("pixels").dump(),
+             stats.at("flip").dump(), stats.at("flip_hdr").dump());
   return 0;
 }
 

@@ -88,6 +88,7 @@ json metrics_json(const Image& test, const MetricInputs& inputs) {
   }
   const Image flip = inputs.flip.map(exposed(test, inputs.exposure));
   put_number(metrics, "flip", mean_inside(flip, inputs.mask), "no pixel to measure");
+  put_number(metrics, "flip_hdr", mean_inside(inputs.flip_hdr.map(test), inputs.mask), "no pixel to measure");
   return metrics;
 }
 

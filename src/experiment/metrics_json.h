@@ -24,8 +24,9 @@ struct MetricInputs {
   const ContourMap& contours;
   double widest_std_dev_mm;
   double mm_per_px;
-  const FlipReference& flip;  // of exposed(truth, exposure)
-  double exposure;            // for FLIP: what turns the brightest irradiance into the display's white
+  const FlipReference& flip;         // of exposed(truth, exposure)
+  double exposure;                   // for FLIP: what turns the brightest irradiance into the display's white
+  const HdrFlipReference& flip_hdr;  // of truth; needs no exposure
 };
 
 // The `metrics` object of results.json: luminance at the top, r, g, b under `channels` (DESIGN section 4).

@@ -28,7 +28,7 @@ json at_pointer(const json& object, const char* pointer) {
 }  // namespace
 
 std::string results_csv(const json& results) {
-  static constexpr std::array<std::array<const char*, 2>, 24> kColumns = {
+  static constexpr std::array<std::array<const char*, 2>, 25> kColumns = {
       {{"view", "/view"},
        {"profile", "/profile"},
        {"method", "/method"},
@@ -43,6 +43,7 @@ std::string results_csv(const json& results) {
        {"p99", "/metrics/p99"},
        {"max", "/metrics/max"},
        {"flip", "/metrics/flip"},
+       {"flip_hdr", "/metrics/flip_hdr"},
        {"halo_peak", "/metrics/halo/peak"},
        {"halo_width_mm", "/metrics/halo/width_mm"},
        {"halo_energy", "/metrics/halo/energy"},

@@ -163,6 +163,7 @@ struct Comparison {
   const Profile& profile;
   const ProfileTruths& truths;
   const FlipReference& flip;
+  const HdrFlipReference& flip_hdr;
   const ViewedModel* model;  // null where the profile approximates nothing
 };
 
@@ -236,6 +237,9 @@ class ViewRunner {
 
   double mm_per_px() const { return median_depth_mm_ / frame_.camera.focal_px(); }
 
+  // What a truth is known to, in units of irradiance.
+  double known_light() const { return setup_.spec.truth.tolerance * setup_.scene.largest_irradiance; }
+
   void compute_truths() {
     std::vector<ViewTruth::Request> requests;
     for (const PlannedTruth& truth : planned_) {
@@ -267,11 +271,12 @@ class ViewRunner {
     if (setup_.spec.truth.light_paths > 0) add_light_paths(profile);
     const TruthImage& headline = truths.headline().image;
     const FlipReference flip(exposed(headline.rgb, setup_.exposure()));
+    const HdrFlipReference flip_hdr(headline.rgb, truths.headline().mask, known_light());
     add_truths(profile, truths);
     const std::optional<ViewedModel> model = view_model(profile, truths.headline());
     if (model) add_model(profile, truths.headline(), *model);
     for (const PlannedMethod& m : setup_.plan.methods) {
-      measure_method(m, {profile, truths, flip, model ? &*model : nullptr});
+      measure_method(m, {profile, truths, flip, flip_hdr, model ? &*model : nullptr});
       progress.advance();
     }
     for (const LadderSpec& ladder : setup_.plan.ladders) add_ladder(ladder, profile, truths);
@@ -455,8 +460,9 @@ class ViewRunner {
     }
     const Image& first = *rungs.all.front().exitance;
     const FlipReference flip(exposed(first, setup_.exposure()));
+    const HdrFlipReference flip_hdr(first, rungs.mask, known_light());
     result.update(ladder_json(rungs.all, {first, rungs.mask, contours_, profile.widest_std_dev_mm(),
-                                          mm_per_px(), flip, setup_.exposure()}));
+                                          mm_per_px(), flip, setup_.exposure(), flip_hdr}));
     maps_.ladders.push_back({fmt::format("{}.{}.ladder-{}", name_, profile.name, ladder.name), {}});
     ViewMaps::Ladder& maps = maps_.ladders.back();
     for (std::size_t r = 1; r < rungs.all.size(); ++r) {
@@ -486,7 +492,7 @@ class ViewRunner {
     const ViewedTruth& truth = against.truths.headline();
     run["metrics"] =
         metrics_json(exitance, {truth.image.rgb, truth.mask, contours_, against.profile.widest_std_dev_mm(),
-                                mm_per_px(), against.flip, setup_.exposure()});
+                                mm_per_px(), against.flip, setup_.exposure(), against.flip_hdr});
     put_distinguishable(run, truth);
     if (setup_.spec.scene.albedo.empty()) return;
     // What leaves the surface with all of its albedo: in this, texturing before and after can be compared.

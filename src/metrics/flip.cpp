@@ -63,29 +63,40 @@ struct Size {
   std::size_t count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 };
 
-// Convolution of a plane with kernel_x along rows and kernel_y along columns; borders repeat.
-Plane convolve_separable(const Plane& in, const Size& size, const std::vector<double>& kernel_x,
-                         const std::vector<double>& kernel_y) {
-  const auto along = [&](const Plane& from, const std::vector<double>& kernel, bool rows) {
-    Plane to(from.size());
-    const int radius = static_cast<int>(kernel.size() / 2);
-    parallel_for(static_cast<std::size_t>(size.height), [&](std::size_t row) {
-      const int y = static_cast<int>(row);
-      for (int x = 0; x < size.width; ++x) {
-        double sum = 0.0;
-        for (int k = -radius; k <= radius; ++k) {
-          const int sx = rows ? std::clamp(x + k, 0, size.width - 1) : x;
-          const int sy = rows ? y : std::clamp(y + k, 0, size.height - 1);
-          sum += kernel[static_cast<std::size_t>(k + radius)] *
-                 from[static_cast<std::size_t>(sy) * static_cast<std::size_t>(size.width) +
-                      static_cast<std::size_t>(sx)];
-        }
-        to[row * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x)] = sum;
-      }
-    });
-    return to;
-  };
-  return along(along(in, kernel_x, true), kernel_y, false);
+// Convolution along rows; borders repeat. Sums run tap by tap over a whole row, which compilers vectorise.
+Plane convolve_rows(const Plane& in, const Size& size, const std::vector<double>& kernel) {
+  Plane out(in.size(), 0.0);
+  const auto width = static_cast<std::size_t>(size.width);
+  const std::size_t radius = kernel.size() / 2;
+  parallel_for(static_cast<std::size_t>(size.height), [&](std::size_t y) {
+    std::vector<double> padded(width + 2 * radius);
+    for (std::size_t x = 0; x < padded.size(); ++x)
+      padded[x] = in[y * width + std::min(x > radius ? x - radius : 0, width - 1)];
+    double* const to = &out[y * width];
+    for (std::size_t k = 0; k < kernel.size(); ++k) {
+      const double weight = kernel[k];
+      const double* const from = &padded[k];
+      for (std::size_t x = 0; x < width; ++x) to[x] += weight * from[x];
+    }
+  });
+  return out;
+}
+
+// The same along columns.
+Plane convolve_columns(const Plane& in, const Size& size, const std::vector<double>& kernel) {
+  Plane out(in.size(), 0.0);
+  const auto width = static_cast<std::size_t>(size.width);
+  const int radius = static_cast<int>(kernel.size() / 2);
+  parallel_for(static_cast<std::size_t>(size.height), [&](std::size_t y) {
+    double* const to = &out[y * width];
+    for (int k = -radius; k <= radius; ++k) {
+      const double weight = kernel[static_cast<std::size_t>(k + radius)];
+      const int row = std::clamp(static_cast<int>(y) + k, 0, size.height - 1);
+      const double* const from = &in[static_cast<std::size_t>(row) * width];
+      for (std::size_t x = 0; x < width; ++x) to[x] += weight * from[x];
+    }
+  });
+  return out;
 }
 
 std::vector<double> sampled(int radius, const std::function<double(double)>& f) {
@@ -116,7 +127,7 @@ Plane filter_sensitivity(const Plane& plane, const Size& size, const Sensitivity
     const std::vector<double> kernel =
         sampled(radius, [&](double i) { return std::exp(-kPi * kPi * (i / ppd) * (i / ppd) / s.b[j]); });
     const double weight = s.a[j] * std::sqrt(kPi / s.b[j]);
-    const Plane part = convolve_separable(plane, size, kernel, kernel);
+    const Plane part = convolve_columns(convolve_rows(plane, size, kernel), size, kernel);
     for (std::size_t i = 0; i < result.size(); ++i) result[i] += weight * part[i];
     total += weight * sum_of(kernel) * sum_of(kernel);
   }
@@ -134,31 +145,36 @@ std::vector<double> normalised_parts(std::vector<double> kernel, double across) 
   return kernel;
 }
 
+// What a picture is compared by, pixel by pixel. In single precision, for a reference is kept for many
+// pictures at many exposures; both pictures are rounded alike, so equal ones do not differ.
 struct Perceived {
-  std::array<Plane, 3> ycxcz;
-  Plane edge;   // magnitude of the first derivative of luminance
-  Plane point;  // and of the second
+  std::array<std::vector<float>, 3> lab;  // Hunt-adjusted, after the contrast sensitivity filters
+  std::vector<float> edge;                // magnitude of the first derivative of luminance
+  std::vector<float> point;               // and of the second
 };
 
-Plane magnitude(const Plane& a, const Plane& b) {
-  Plane m(a.size());
-  for (std::size_t i = 0; i < a.size(); ++i) m[i] = std::hypot(a[i], b[i]);
+std::vector<float> magnitude(const Plane& a, const Plane& b) {
+  std::vector<float> m(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) m[i] = static_cast<float>(std::sqrt(a[i] * a[i] + b[i] * b[i]));
   return m;
 }
 
-Perceived perceive(const Image& image, const Size& size, double ppd) {
-  Perceived result;
-  for (Plane& plane : result.ycxcz) plane.resize(size.count());
+// The light that a display gives for a picture's, in [0, 1].
+using Display = std::function<Vec3d(const Vec3d&)>;
+
+Perceived perceive(const Image& image, const Size& size, double ppd, const Display& display) {
+  std::array<Plane, 3> ycxcz;
+  for (Plane& plane : ycxcz) plane.resize(size.count());
   Plane gray(size.count());
-  for (int y = 0; y < size.height; ++y) {
+  parallel_for(static_cast<std::size_t>(size.height), [&](std::size_t y) {
     for (int x = 0; x < size.width; ++x) {
-      const std::size_t i =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x);
-      const Vec3d v = ycxcz_from_rgb(clipped(image.rgb(x, y)));
-      for (std::size_t c = 0; c < 3; ++c) result.ycxcz[c][i] = v[static_cast<Eigen::Index>(c)];
+      const std::size_t i = y * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x);
+      const Vec3d v = ycxcz_from_rgb(display(image.rgb(x, static_cast<int>(y))));
+      for (std::size_t c = 0; c < 3; ++c) ycxcz[c][i] = v[static_cast<Eigen::Index>(c)];
       gray[i] = (v.x() + 16.0) / 116.0;
     }
-  }
+  });
+  Perceived result;
   constexpr double kFeatureWidthDeg = 0.082;
   const double sd = 0.5 * kFeatureWidthDeg * ppd;
   const int feature_radius = static_cast<int>(std::ceil(3.0 * sd));
@@ -171,17 +187,46 @@ Perceived perceive(const Image& image, const Size& size, double ppd) {
       sampled(feature_radius,
               [&](double i) { return (i * i / (sd * sd) - 1.0) * std::exp(-i * i / (2 * sd * sd)); }),
       across);
-  result.edge =
-      magnitude(convolve_separable(gray, size, first, smooth), convolve_separable(gray, size, smooth, first));
-  result.point = magnitude(convolve_separable(gray, size, second, smooth),
-                           convolve_separable(gray, size, smooth, second));
+  const Plane smooth_rows = convolve_rows(gray, size, smooth);
+  result.edge = magnitude(convolve_columns(convolve_rows(gray, size, first), size, smooth),
+                          convolve_columns(smooth_rows, size, first));
+  result.point = magnitude(convolve_columns(convolve_rows(gray, size, second), size, smooth),
+                           convolve_columns(smooth_rows, size, second));
 
   // One radius for all channels: that of the widest filter.
   const int radius = static_cast<int>(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * kPi * kPi)) * ppd));
   for (std::size_t c = 0; c < 3; ++c) {
-    result.ycxcz[c] = filter_sensitivity(result.ycxcz[c], size, kSensitivity[c], radius, ppd);
+    ycxcz[c] = filter_sensitivity(ycxcz[c], size, kSensitivity[c], radius, ppd);
+    result.lab[c].resize(size.count());
   }
+  parallel_for(static_cast<std::size_t>(size.height), [&](std::size_t y) {
+    const std::size_t begin = y * static_cast<std::size_t>(size.width);
+    for (std::size_t i = begin; i < begin + static_cast<std::size_t>(size.width); ++i) {
+      const Vec3d lab = hunt_lab_from_rgb(clipped(rgb_from_ycxcz({ycxcz[0][i], ycxcz[1][i], ycxcz[2][i]})));
+      for (std::size_t c = 0; c < 3; ++c)
+        result.lab[c][i] = static_cast<float>(lab[static_cast<Eigen::Index>(c)]);
+    }
+  });
   return result;
+}
+
+// The tone curve's coefficients: Narkowicz 2016, with x for 0.6 x.
+struct Tone {
+  double square;
+  double linear;
+  double square_below;
+  double linear_below;
+  double constant_below;
+};
+constexpr Tone kTone = {0.6 * 0.6 * 2.51, 0.6 * 0.03, 0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14};
+constexpr double kToneAtEnds = 0.85;
+
+// The light x > 0 that the tone curve maps to y < 1: of (k0 - y k3) x^2 + (k1 - y k4) x - y k5 = 0 the
+// positive root (k0 > k3 and k5 > 0, so the roots' product is negative: there is one).
+double light_of_tone(double y) {
+  const double a = kTone.square - y * kTone.square_below;
+  const double half_b = 0.5 * (kTone.linear - y * kTone.linear_below) / a;
+  return -half_b + std::sqrt(half_b * half_b + y * kTone.constant_below / a);
 }
 
 double remapped_color_difference(const Vec3d& a, const Vec3d& b) {
@@ -200,13 +245,19 @@ double remapped_color_difference(const Vec3d& a, const Vec3d& b) {
 struct FlipReference::Perception {
   Size size;
   double pixels_per_degree;
+  Display display;
   Perceived perceived;
 };
 
-FlipReference::FlipReference(const Image& reference, double pixels_per_degree) {
+FlipReference::FlipReference(const Image& reference, double pixels_per_degree)
+    : FlipReference(reference, pixels_per_degree, clipped) {}
+
+FlipReference::FlipReference(const Image& reference, double pixels_per_degree,
+                             std::function<Vec3d(const Vec3d&)> display) {
   const Size size{reference.width(), reference.height()};
+  Perceived perceived = perceive(reference, size, pixels_per_degree, display);
   perception_ = std::make_unique<Perception>(
-      Perception{size, pixels_per_degree, perceive(reference, size, pixels_per_degree)});
+      Perception{size, pixels_per_degree, std::move(display), std::move(perceived)});
 }
 
 FlipReference::~FlipReference() = default;
@@ -217,16 +268,17 @@ Image FlipReference::map(const Image& test) const {
   const Size& size = perception_->size;
   assert(test.width() == size.width && test.height() == size.height);
   const Perceived& a = perception_->perceived;
-  const Perceived b = perceive(test, size, perception_->pixels_per_degree);
+  const Perceived b = perceive(test, size, perception_->pixels_per_degree, perception_->display);
   const auto lab = [](const Perceived& p, std::size_t i) {
-    return hunt_lab_from_rgb(clipped(rgb_from_ycxcz({p.ycxcz[0][i], p.ycxcz[1][i], p.ycxcz[2][i]})));
+    return Vec3d(p.lab[0][i], p.lab[1][i], p.lab[2][i]);
   };
   Image map(size.width, size.height, 1);
   parallel_for(static_cast<std::size_t>(size.height), [&](std::size_t row) {
     const std::size_t first = row * static_cast<std::size_t>(size.width);
     for (std::size_t i = first; i < first + static_cast<std::size_t>(size.width); ++i) {
       const double color = remapped_color_difference(lab(a, i), lab(b, i));
-      const double feature = std::max(std::abs(a.edge[i] - b.edge[i]), std::abs(a.point[i] - b.point[i]));
+      const double feature = std::max(std::abs(static_cast<double>(a.edge[i]) - b.edge[i]),
+                                      std::abs(static_cast<double>(a.point[i]) - b.point[i]));
       map.data()[i] = static_cast<float>(std::pow(color, 1.0 - std::sqrt(feature / std::sqrt(2.0))));
     }
   });
@@ -236,6 +288,56 @@ Image FlipReference::map(const Image& test) const {
 Image flip_map(const Image& reference, const Image& test, double pixels_per_degree) {
   assert(reference.width() == test.width() && reference.height() == test.height());
   return FlipReference(reference, pixels_per_degree).map(test);
+}
+
+double hdr_flip_tone(double x) {
+  const double light = std::max(x, 0.0);
+  const double below = (kTone.square_below * light + kTone.linear_below) * light + kTone.constant_below;
+  // So bright that it overflows: the curve's end, clipped.
+  if (!std::isfinite(below)) return 1.0;
+  return std::min(1.0, (kTone.square * light + kTone.linear) * light / below);
+}
+
+ExposureRange hdr_flip_exposures(const Image& reference, const Image& mask, double least_light) {
+  std::vector<double> luminances;
+  for (int y = 0; y < reference.height(); ++y) {
+    for (int x = 0; x < reference.width(); ++x) {
+      if (mask.at(x, y, 0) != 0.0F) luminances.push_back(luminance(reference.rgb(x, y)));
+    }
+  }
+  if (luminances.empty()) return {0.0, 0.0, 2};
+  std::sort(luminances.begin(), luminances.end());
+  if (!(luminances.back() > 0.0)) return {0.0, 0.0, 2};
+  const std::size_t n = luminances.size();
+  const double middle = 0.5 * (luminances[(n - 1) / 2] + luminances[n / 2]);
+  const double least = static_cast<double>(std::numeric_limits<float>::epsilon()) * luminances.back();
+  const double median = std::max({middle, least, std::min(least_light, luminances.back())});
+  const double light = light_of_tone(kToneAtEnds);
+  const double start = std::log2(light / luminances.back());
+  const double stop = std::log2(light / median);
+  return {start, stop, std::max(2, static_cast<int>(std::ceil(stop - start)))};
+}
+
+HdrFlipReference::HdrFlipReference(const Image& reference, const Image& mask, double least_light,
+                                   double pixels_per_degree)
+    : exposures_(hdr_flip_exposures(reference, mask, least_light)) {
+  const double step = (exposures_.stop - exposures_.start) / (exposures_.count - 1);
+  for (int i = 0; i < exposures_.count; ++i) {
+    const double factor = std::exp2(exposures_.start + i * step);
+    references_.push_back(FlipReference(reference, pixels_per_degree, [factor](const Vec3d& rgb) -> Vec3d {
+      return (factor * rgb).unaryExpr(&hdr_flip_tone);
+    }));
+  }
+}
+
+Image HdrFlipReference::map(const Image& test) const {
+  Image largest = references_.front().map(test);
+  for (std::size_t i = 1; i < references_.size(); ++i) {
+    const Image map = references_[i].map(test);
+    std::transform(map.data().begin(), map.data().end(), largest.data().begin(), largest.data().begin(),
+                   [](float a, float b) { return std::max(a, b); });
+  }
+  return largest;
 }
 
 double mean_inside(const Image& map, const Image& mask) {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "core/image.h"
+#include "core/vec.h"
 
 namespace truescatter {
 
@@ -27,8 +30,47 @@ class FlipReference {
   Image map(const Image& test) const;
 
  private:
+  friend class HdrFlipReference;
+  // With another display than the one that clips; it maps light to [0, 1].
+  FlipReference(const Image& reference, double pixels_per_degree, std::function<Vec3d(const Vec3d&)> display);
+
   struct Perception;
   std::unique_ptr<Perception> perception_;
+};
+
+// How many stops of light a picture is looked at through by HDR-FLIP, in powers of two.
+struct ExposureRange {
+  double start = 0.0;
+  double stop = 0.0;
+  int count = 0;  // max(2, ceil(stop - start)), evenly spaced from start to stop
+};
+
+// The curve by which HDR-FLIP brings light to a display, y = (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5), clipped
+// to [0, 1]: Narkowicz's fit of ACES without its pre-exposure of 0.6. Negative light counts as none.
+double hdr_flip_tone(double x);
+
+// The exposures of HDR-FLIP for a reference: at the first its largest luminance maps to 0.85, at the last its
+// median, both over the pixels where the mask is not 0 (the published definition has no mask: over all). A
+// median below `least_light`, what the reference itself is known to, counts as that: at longer exposures its
+// uncertainty would be what is seen; nor does it count as less than a single float's epsilon times the
+// largest (the authors' program: the epsilon). Without light: from 0 to 0.
+ExposureRange hdr_flip_exposures(const Image& reference, const Image& mask, double least_light = 0.0);
+
+// The difference that a person sees between two pictures of high dynamic range at the exposure that shows it
+// most: HDR-FLIP of Andersson, Nilsson, Shirley & Akenine-Moeller 2021. Per pixel the largest LDR-FLIP over
+// exposures c of hdr_flip_tone(2^c reference) and hdr_flip_tone(2^c test). A factor on both pictures changes
+// nothing. What depends on the reference is computed once.
+class HdrFlipReference {
+ public:
+  HdrFlipReference(const Image& reference, const Image& mask, double least_light = 0.0,
+                   double pixels_per_degree = 67.0206);
+
+  Image map(const Image& test) const;
+  const ExposureRange& exposures() const { return exposures_; }
+
+ private:
+  ExposureRange exposures_;
+  std::vector<FlipReference> references_;  // one for each exposure
 };
 
 // The mean of a map over the pixels where the mask is not 0; NaN without one.

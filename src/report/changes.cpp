@@ -23,10 +23,12 @@ struct Field {
   const char* pointer;
 };
 
-constexpr std::array<Field, 7> kMetrics = {{{"rmse", "/metrics/rmse"},
+constexpr std::array<Field, 9> kMetrics = {{{"rmse", "/metrics/rmse"},
                                             {"rel_rmse", "/metrics/rel_rmse"},
                                             {"bias", "/metrics/bias"},
                                             {"max", "/metrics/max"},
+                                            {"flip", "/metrics/flip"},
+                                            {"flip_hdr", "/metrics/flip_hdr"},
                                             {"halo_peak", "/metrics/halo/peak"},
                                             {"frame_ms", "/cost/frame_ms/median"},
                                             {"fetches_per_pixel", "/cost/fetches_per_pixel"}}};

@@ -28,7 +28,7 @@ TEST_F(CliCompare, IdenticalPicturesHaveNoError) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json stats = nlohmann::json::parse(result.out);
   EXPECT_EQ(stats.at("pixels"), 128);
-  for (const char* key : {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max", "flip"}) {
+  for (const char* key : {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max", "flip", "flip_hdr"}) {
     EXPECT_EQ(stats.at(key), 0.0) << key;
   }
   for (const char* channel : {"r", "g", "b"}) EXPECT_EQ(stats.at("channels").at(channel).at("max"), 0.0);
@@ -63,7 +63,7 @@ TEST_F(CliCompare, APngIsDecodedToLinearLight) {
 TEST_F(CliCompare, PrintsATable) {
   const ProgramResult result = truescatter({"compare", "truth.exr", "truth.exr"});
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* piece : {"rel_rmse", "luminance", "128 pixels", "FLIP 0"}) {
+  for (const char* piece : {"rel_rmse", "luminance", "128 pixels", "FLIP 0", "HDR-FLIP 0"}) {
     EXPECT_TRUE(contains(result.out, piece)) << piece << "\n" << result.out;
   }
 }
@@ -205,6 +205,8 @@ builtin:plane / front / skin / both
   rel_rmse                   0.5 -> 0.5          =
   bias                         0 -> 0            =
   max                          2 -> 2            =
+  flip                         - -> -
+  flip_hdr                     - -> -
   halo_peak                    - -> -
   frame_ms                     4 -> 5            +25.00 %
   fetches_per_pixel           61 -> 61           =

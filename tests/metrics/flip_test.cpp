@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -10,18 +11,25 @@
 namespace truescatter {
 namespace {
 
-// LDR-FLIP written once more, plainly, from Andersson et al. 2020: two-dimensional kernels, no separation.
-// The matrix of linear sRGB to XYZ is Lindbloom's, to seven digits.
+// LDR-FLIP written once more, plainly, from Andersson et al. 2020: two-dimensional kernels in double
+// precision, no separation. The matrix of linear sRGB to XYZ is made from the primaries and the white of D65,
+// (0.31271, 0.32902), for which the authors' program has its fractions.
 struct Paper {
   using Picture = std::vector<Vec3d>;
   int width;
   int height;
   double pixels_per_degree;
 
-  static Mat3d xyz_of_rgb() {
-    return (Mat3d() << 0.4124564, 0.3575761, 0.1804375, 0.2126729, 0.7151522, 0.0721750, 0.0193339, 0.1191920,
-            0.9503041)
-        .finished();
+  static Mat3d made_from_primaries() {
+    const auto xyz = [](double x, double y) { return Vec3d(x / y, 1.0, (1.0 - x - y) / y); };
+    Mat3d primaries;
+    primaries << xyz(0.64, 0.33), xyz(0.30, 0.60), xyz(0.15, 0.06);
+    const Vec3d luminances = primaries.inverse() * xyz(0.31271, 0.32902);
+    return primaries * luminances.asDiagonal();
+  }
+  static const Mat3d& xyz_of_rgb() {
+    static const Mat3d m = made_from_primaries();
+    return m;
   }
   static Vec3d relative_xyz(const Vec3d& rgb) {
     return (xyz_of_rgb() * rgb).cwiseQuotient(xyz_of_rgb() * Vec3d::Ones());
@@ -154,6 +162,14 @@ Image constant(const Vec3d& rgb) {
   return image;
 }
 
+Paper::Picture pixels(const Image& image) {
+  Paper::Picture picture;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) picture.push_back(image.rgb(x, y));
+  }
+  return picture;
+}
+
 Image noise(unsigned seed) {
   Image image(20, 14, 3);
   std::mt19937 generator(seed);
@@ -162,11 +178,11 @@ Image noise(unsigned seed) {
   return image;
 }
 
-// Published matrices of linear sRGB to XYZ differ in the fifth digit: after division by white, by up to 1e-4
-// of a value, so f by 3.4e-5, a* and b* by up to 500 * 2 * 3.4e-5 = 0.034 each, and HyAB, about 100 to 300
-// for colours that matter, by up to 5e-4 of itself in d and likewise in cmax. FLIP goes as d/cmax to the
-// power 0.7 at most: 0.7 * (5e-4 + 5e-4) = 7e-4.
-constexpr double kMatrixTolerance = 7e-4;
+// Both compute in double precision and agree but for single precision where values are kept. L*, a* and b* of
+// up to 100 to 4e-6 each, so HyAB, d, to 2e-5, and FLIP, 0.0575 d^0.7 in its steep part, to 0.7 * 0.0575 *
+// 0.01^-0.3 * 2e-5 = 4e-6 for d >= 0.01. Edges and points of up to 1 to 6e-8 each: the feature's share in the
+// exponent, sqrt(f / sqrt 2), to sqrt(1.2e-7 / 1.4) = 3e-4 where it is near 0, times max |c ln c| = 0.37.
+constexpr double kRounding = 1.2e-4;
 
 // On constant pictures no filter changes anything (outside values repeat the border) and no edge or point is
 // there, so FLIP is the remapped HyAB of the two colours at every pixel.
@@ -178,7 +194,7 @@ TEST(Flip, OfConstantsIsTheRemappedColorDifference) {
                                                       {{1.0, 0.0, 0.0}, {0.0, 0.5, 0.5}}};
   for (const auto& [a, b] : pairs) {
     const Image map = flip_map(constant(a), constant(b));
-    for (const float v : map.data()) ASSERT_NEAR(v, Paper::color_difference(a, b), kMatrixTolerance);
+    for (const float v : map.data()) ASSERT_NEAR(v, Paper::color_difference(a, b), kRounding);
   }
 }
 
@@ -195,21 +211,12 @@ TEST(Flip, OfBlackAndWhiteAndOfGreenAndBlue) {
 TEST(Flip, OfNoiseAgreesWithThePlainVersion) {
   const Image a = noise(1);
   const Image b = noise(2);
-  const auto pixels = [](const Image& image) {
-    Paper::Picture picture;
-    for (int y = 0; y < image.height(); ++y) {
-      for (int x = 0; x < image.width(); ++x) picture.push_back(image.rgb(x, y));
-    }
-    return picture;
-  };
   for (const double pixels_per_degree : {20.0, 45.0}) {
     const std::vector<double> expected =
         Paper{a.width(), a.height(), pixels_per_degree}.flip(pixels(a), pixels(b));
     const Image map = flip_map(a, b, pixels_per_degree);
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      // Colours come close together after filtering, HyAB then is about 10, and the matrices' 0.034 + 0.034
-      // of a* and b* are up to 7e-3 of it, times 0.7 * 0.3.
-      ASSERT_NEAR(map.data()[i], expected[i], 1.5e-3) << i << " at " << pixels_per_degree;
+      ASSERT_NEAR(map.data()[i], expected[i], kRounding) << i << " at " << pixels_per_degree;
     }
   }
 }
@@ -232,6 +239,126 @@ TEST(Flip, IsSymmetricAndWithinTheUnitRange) {
 TEST(Flip, ClipsToTheDisplay) {
   const Image map = flip_map(constant({1, 1, 1}), constant({5, 5, 5}));
   for (const float v : map.data()) ASSERT_EQ(v, 0.0F);
+}
+
+// The tone curve as Narkowicz gives it, at 0.6 x.
+double narkowicz(double x) {
+  const double v = 0.6 * x;
+  return std::min(1.0, v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14));
+}
+
+TEST(HdrFlip, HasTheTonesOfThePublishedCurve) {
+  for (const double x : {0.0, 1e-3, 0.1, 0.85, 1.0, 4.0, 20.0})
+    EXPECT_NEAR(hdr_flip_tone(x), narkowicz(x), 1e-15);
+  EXPECT_EQ(hdr_flip_tone(-1.0), 0.0);
+  EXPECT_EQ(hdr_flip_tone(1e200), 1.0);
+}
+
+// Over the mask: 1 1 1 8, outside 64. The largest is 8 times the median, so three stops in three exposures;
+// at the first 8, at the last 1 is mapped to 0.85.
+TEST(HdrFlip, SpansFromTheLargestToTheMedianOfTheMask) {
+  Image reference(5, 1, 3, 1.0F);
+  reference.set_rgb(3, 0, Vec3d::Constant(8.0));
+  reference.set_rgb(4, 0, Vec3d::Constant(64.0));
+  Image mask(5, 1, 1, 1.0F);
+  mask.at(4, 0, 0) = 0.0F;
+  const ExposureRange range = hdr_flip_exposures(reference, mask);
+  EXPECT_NEAR(narkowicz(8.0 * std::exp2(range.start)), 0.85, 1e-12);
+  EXPECT_NEAR(narkowicz(std::exp2(range.stop)), 0.85, 1e-12);
+  EXPECT_NEAR(range.stop - range.start, 3.0, 1e-12);
+  EXPECT_EQ(hdr_flip_exposures(reference, Image(5, 1, 1, 1.0F)).count, 6);
+}
+
+TEST(HdrFlip, LooksNoDeeperThanTheReferenceIsKnown) {
+  Image reference(3, 1, 3, 0.0F);
+  reference.set_rgb(0, 0, Vec3d::Constant(1.0));
+  const Image mask(3, 1, 1, 1.0F);
+  const ExposureRange range = hdr_flip_exposures(reference, mask, 1.0 / 1024.0);
+  EXPECT_NEAR(range.stop - range.start, 10.0, 1e-12);
+  const ExposureRange deepest = hdr_flip_exposures(reference, mask);  // epsilon = 2^-23
+  EXPECT_NEAR(deepest.stop - deepest.start, 23.0, 1e-12);
+  EXPECT_EQ(hdr_flip_exposures(Image(3, 1, 3), mask).count, 2);
+  EXPECT_EQ(hdr_flip_exposures(reference, Image(3, 1, 1)).stop, 0.0);
+}
+
+// Light over eight stops; exposures by bisection of the curve, the median by counting.
+TEST(HdrFlip, OfNoiseAgreesWithThePlainVersion) {
+  const auto wide = [](unsigned seed) {
+    Image image = noise(seed);
+    for (float& v : image.data()) v = std::exp2(8.0F * v - 4.0F);
+    return image;
+  };
+  const Image a = wide(6);
+  const Image b = wide(7);
+  const auto light_for = [](double tone) {
+    double low = 0.0;
+    double high = 10.0;
+    for (int i = 0; i < 200; ++i) (narkowicz(0.5 * (low + high)) < tone ? low : high) = 0.5 * (low + high);
+    return low;
+  };
+  std::vector<double> luminances;
+  for (const Vec3d& v : pixels(a)) luminances.push_back(0.2126 * v.x() + 0.7152 * v.y() + 0.0722 * v.z());
+  const auto below = [&](double limit) {
+    return std::count_if(luminances.begin(), luminances.end(), [&](double v) { return v <= limit; });
+  };
+  // 280 pixels: the mean of the 140th and the 141st.
+  double lower = 1e9;
+  double upper = 1e9;
+  for (const double v : luminances) {
+    if (below(v) >= 140) lower = std::min(lower, v);
+    if (below(v) >= 141) upper = std::min(upper, v);
+  }
+  const double largest = *std::max_element(luminances.begin(), luminances.end());
+  const double start = std::log2(light_for(0.85) / largest);
+  const double stop = std::log2(light_for(0.85) / (0.5 * (lower + upper)));
+  const int count = std::max(2, static_cast<int>(std::ceil(stop - start)));
+  ASSERT_GE(count, 3);  // else it says little
+  constexpr double kPixelsPerDegree = 20.0;
+  const Paper paper{a.width(), a.height(), kPixelsPerDegree};
+  std::vector<double> expected(luminances.size(), 0.0);
+  for (int i = 0; i < count; ++i) {
+    const double factor = std::exp2(start + (stop - start) * i / (count - 1));
+    const auto toned = [&](const Image& image) {
+      Paper::Picture picture;
+      for (const Vec3d& v : pixels(image))
+        picture.push_back({narkowicz(factor * v.x()), narkowicz(factor * v.y()), narkowicz(factor * v.z())});
+      return picture;
+    };
+    const std::vector<double> map = paper.flip(toned(a), toned(b));
+    for (std::size_t p = 0; p < map.size(); ++p) expected[p] = std::max(expected[p], map[p]);
+  }
+  const Image map = HdrFlipReference(a, Image(20, 14, 1, 1.0F), 0.0, kPixelsPerDegree).map(b);
+  for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(map.data()[i], expected[i], kRounding) << i;
+}
+
+// A grey reference of any brightness is shown at 0.85: L* = 116 * 0.85^(1/3) - 16 = 93.88, against black d =
+// 93.88^0.7 = 24.03 = 0.5823 cmax, and FLIP = 0.95 + 0.05 (0.5823 - 0.4)/0.6 = 0.9652.
+TEST(HdrFlip, OfAConstantAndBlackByHand) {
+  for (const double grey : {1e-3, 1.0, 300.0}) {
+    const HdrFlipReference reference(constant(Vec3d::Constant(grey)), Image(12, 9, 1, 1.0F));
+    EXPECT_EQ(reference.exposures().count, 2);
+    EXPECT_NEAR(reference.map(constant(Vec3d::Zero())).at(4, 4, 0), 0.9652, 1e-4);
+  }
+}
+
+TEST(HdrFlip, OfAPictureWithItselfIsZero) {
+  const HdrFlipReference reference(noise(3), Image(20, 14, 1, 1.0F));
+  const Image map = reference.map(noise(3));
+  for (const float v : map.data()) ASSERT_EQ(v, 0.0F);
+}
+
+// What LDR-FLIP clips away is seen at a shorter exposure.
+TEST(HdrFlip, SeesWhatTheDisplayClips) {
+  Image reference = constant(Vec3d::Constant(0.1));
+  Image test = reference;
+  for (int x = 0; x < 4; ++x) {
+    for (int y = 0; y < 9; ++y) {
+      reference.set_rgb(x, y, Vec3d::Constant(4.0));
+      test.set_rgb(x, y, Vec3d::Constant(2.0));
+    }
+  }
+  EXPECT_LT(flip_map(reference, test).at(1, 4, 0), 1e-6F);
+  EXPECT_GT(HdrFlipReference(reference, Image(12, 9, 1, 1.0F)).map(test).at(1, 4, 0), 0.1F);
 }
 
 TEST(MeanInside, LeavesOutWhatTheMaskLeavesOut) {

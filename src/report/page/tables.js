@@ -29,8 +29,8 @@ function ownError(run, channel) {
   return {...found, value: inErrorUnits(found.value), note: "against " + targetName(own) + sampledNote(own, channel) + doubt};
 }
 
-const flip = (run, channel) =>
-    (channel === "luminance" ? lookUp(run.metrics, "flip") :
+const flip = (key) => (run, channel) =>
+    (channel === "luminance" ? lookUp(run.metrics, key) :
                                {value: null, reason: "FLIP is a value of the whole colour"});
 
 const COLUMNS = [
@@ -81,7 +81,23 @@ const COLUMNS = [
     help: "p99: 99 % quantile of |e|"
   },
   {group: "Error", name: "max", unit: errorUnit, get: inUnits(metric("max")), help: "max: largest |e|"},
-  {group: "Error", name: "FLIP", unit: "", get: flip, help: "flip: mean of LDR-FLIP over skin, 0 to 1"}, {
+  {
+    group: "Error",
+    name: "FLIP",
+    unit: "",
+    get: flip("flip"),
+    help: "flip: mean over skin of LDR-FLIP, 0 to 1, with the largest irradiance as the display\u2019s white " +
+        "(Andersson et al. 2020; 67 pixels a degree)"
+  },
+  {
+    group: "Error",
+    name: "HDR-FLIP",
+    unit: "",
+    get: flip("flip_hdr"),
+    help: "flip_hdr: mean over skin of the largest LDR-FLIP over exposures, from where the truth\u2019s " +
+        "largest luminance to where its median is mapped to 0.85 (Andersson et al. 2021)"
+  },
+  {
     group: "Halo",
     name: "peak",
     unit: "%",
