@@ -192,6 +192,11 @@ struct TruthSpec {
   bool cache = true;  // truths are looked for in the user's cache, and kept there
 };
 
+// What is measured beyond what every run measures.
+struct MetricsSpec {
+  bool seam = false;  // errors against the distance to UV seams, and against the UV map's stretch
+};
+
 struct TimingSpec {
   int warm_up = 1;
   int repeats = 3;
@@ -232,6 +237,7 @@ struct ExperimentSpec {
   std::vector<ProfileSpec> profiles;
   std::vector<MethodSpec> methods;
   TruthSpec truth;
+  MetricsSpec metrics;
   TimingSpec timing;
   std::vector<ThresholdSpec> thresholds;
   std::vector<LadderSpec> ladders;

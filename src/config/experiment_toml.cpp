@@ -437,6 +437,13 @@ TruthSpec read_truth(TomlTable table) {
   return truth;
 }
 
+MetricsSpec read_metrics(TomlTable table) {
+  MetricsSpec metrics;
+  metrics.seam = table.flag("seam", metrics.seam);
+  table.finish();
+  return metrics;
+}
+
 TimingSpec read_timing(TomlTable table) {
   TimingSpec timing;
   timing.warm_up = table.whole("warm_up", timing.warm_up, 0, 1000);
@@ -584,6 +591,7 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   if (spec.methods.empty())
     root.fail("method", "'method' is missing: an experiment needs at least one [[method]]");
   spec.truth = read_truth(root.table("truth"));
+  spec.metrics = read_metrics(root.table("metrics"));
   spec.timing = read_timing(root.table("timing"));
   for (const TomlTable& table : root.tables("threshold")) {
     spec.thresholds.push_back(read_threshold(table));
@@ -795,6 +803,7 @@ std::string to_toml(const ExperimentSpec& spec) {
           line("audit_points", spec.truth.audit_points) + line("seed", spec.truth.seed) +
           line("geodesic", spec.truth.geodesic) + line("visible_only", spec.truth.visible_only) +
           line("light_paths", spec.truth.light_paths) + line("cache", spec.truth.cache);
+  text += "\n[metrics]\n" + line("seam", spec.metrics.seam);
   text += "\n[timing]\n" + line("warm_up", spec.timing.warm_up) + line("repeats", spec.timing.repeats);
   for (const ThresholdSpec& threshold : spec.thresholds) {
     text += "\n[[threshold]]\n" + line("method", threshold.method) + line("metric", threshold.metric) +

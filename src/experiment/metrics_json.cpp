@@ -23,8 +23,8 @@ void put_error_stats(json& object, const ErrorStats& stats) {
   put_number(object, "max", stats.max, empty);
 }
 
-json halo_json(const Halo& halo, bool with_profile) {
-  const std::string none = "no silhouette of this kind with light beside it";
+// `none`: the reason where there is no such line.
+json halo_json(const Halo& halo, const std::string& none) {
   json object;
   object["pixels"] = halo.pixels;
   put_number(object, "peak", halo.peak, none);
@@ -33,7 +33,6 @@ json halo_json(const Halo& halo, bool with_profile) {
   put_number(object, "energy", halo.energy, none);
   put_number(object, "contrast", halo.contrast,
              std::isfinite(halo.energy) ? "no error, or no pixel, beyond 6 s" : none);
-  if (!with_profile) return object;
   json errors = json::array();
   for (const double e : halo.profile.relative_error) errors.push_back(std::isfinite(e) ? json(e) : json());
   object["profile"] = {
@@ -45,12 +44,33 @@ json all_halos_json(const Image& test, const MetricInputs& in, Quantity quantity
   const auto measure = [&](HaloSide side) {
     return halo_json(measure_halo(test, in.truth, in.mask, in.contours, in.widest_std_dev_mm, in.mm_per_px,
                                   quantity, side),
-                     true);
+                     "no silhouette of this kind with light beside it");
   };
   json halo = measure(HaloSide::all);
   halo["outer"] = {{"near", measure(HaloSide::outer)}};
   halo["inner"] = {{"near", measure(HaloSide::inner_near)}, {"far", measure(HaloSide::inner_far)}};
   return halo;
+}
+
+json stretch_json(const std::vector<StretchBin>& bins) {
+  json list = json::array();
+  for (const StretchBin& bin : bins) {
+    json object = {{"from", bin.from}, {"pixels", bin.pixels}};
+    put_number(object, "to", bin.to, "no bound");
+    put_number(object, "bias", bin.bias, "no pixel to measure");
+    put_number(object, "rel_rmse", bin.rel_rmse,
+               bin.pixels == 0 ? "no pixel to measure" : "the truth is 0 at every pixel");
+    list.push_back(object);
+  }
+  return list;
+}
+
+json seam_json(const Image& test, const MetricInputs& in, Quantity quantity) {
+  json seam = halo_json(measure_band(test, in.truth, in.mask, {in.uv->seam_delta_mm, {}},
+                                     in.widest_std_dev_mm, in.mm_per_px, quantity),
+                        "no UV seam in view with light beside it");
+  seam["stretch"] = stretch_json(measure_stretch(test, in.truth, in.mask, in.uv->anisotropy, quantity));
+  return seam;
 }
 
 }  // namespace
@@ -85,6 +105,11 @@ json metrics_json(const Image& test, const MetricInputs& inputs) {
   metrics["halo"] = all_halos_json(test, inputs, Quantity::luminance);
   for (const Quantity quantity : {Quantity::red, Quantity::green, Quantity::blue}) {
     metrics["channels"][std::string(name_of(quantity))]["halo"] = all_halos_json(test, inputs, quantity);
+  }
+  if (inputs.uv != nullptr) {
+    metrics["seam"] = seam_json(test, inputs, Quantity::luminance);
+    for (const Quantity quantity : {Quantity::red, Quantity::green, Quantity::blue})
+      metrics["channels"][std::string(name_of(quantity))]["seam"] = seam_json(test, inputs, quantity);
   }
   const Image flip = inputs.flip.map(exposed(test, inputs.exposure));
   put_number(metrics, "flip", mean_inside(flip, inputs.mask), "no pixel to measure");

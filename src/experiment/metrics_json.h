@@ -7,6 +7,7 @@
 #include "metrics/contours.h"
 #include "metrics/flip.h"
 #include "metrics/halo.h"
+#include "metrics/seam.h"
 
 namespace truescatter {
 
@@ -27,6 +28,7 @@ struct MetricInputs {
   const FlipReference& flip;         // of exposed(truth, exposure)
   double exposure;                   // for FLIP: what turns the brightest irradiance into the display's white
   const HdrFlipReference& flip_hdr;  // of truth; needs no exposure
+  const UvView* uv = nullptr;        // for seam and stretch; null: not asked for
 };
 
 // The `metrics` object of results.json: luminance at the top, r, g, b under `channels` (DESIGN section 4).

@@ -28,7 +28,7 @@ json at_pointer(const json& object, const char* pointer) {
 }  // namespace
 
 std::string results_csv(const json& results) {
-  static constexpr std::array<std::array<const char*, 2>, 25> kColumns = {
+  static constexpr std::array<std::array<const char*, 2>, 27> kColumns = {
       {{"view", "/view"},
        {"profile", "/profile"},
        {"method", "/method"},
@@ -48,6 +48,8 @@ std::string results_csv(const json& results) {
        {"halo_width_mm", "/metrics/halo/width_mm"},
        {"halo_energy", "/metrics/halo/energy"},
        {"halo_contrast", "/metrics/halo/contrast"},
+       {"seam_peak", "/metrics/seam/peak"},
+       {"seam_energy", "/metrics/seam/energy"},
        {"own_rmse", "/own_target/metrics/rmse"},
        {"profile_rmse", "/profile_error/metrics/rmse"},
        {"frame_ms", "/cost/frame_ms/median"},

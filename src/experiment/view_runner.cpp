@@ -17,6 +17,7 @@
 #include "experiment/pass_files.h"
 #include "experiment/profile_truth.h"
 #include "experiment/result_json.h"
+#include "experiment/uv_view.h"
 #include "experiment/view_truth.h"
 #include "gpu/timer.h"
 #include "metrics/contours.h"
@@ -199,6 +200,8 @@ class ViewRunner {
         truth_(setup.scene, images_),
         contours_(
             find_contours({images_.mask, images_.position, images_.face_normal, frame_.camera.focal_px()})) {
+    if (setup.spec.metrics.seam && setup.scene.mesh.has_uvs())
+      uv_view_ = uv_view(setup.scene.mesh, setup.scene.shading, frame_.camera, images_);
     maps_.name = view.name;
     maps_.irradiance = images_.irradiance;
     maps_.mask = images_.mask;
@@ -490,9 +493,13 @@ class ViewRunner {
 
   void add_metrics(json& run, const Image& exitance, const Comparison& against) const {
     const ViewedTruth& truth = against.truths.headline();
-    run["metrics"] =
-        metrics_json(exitance, {truth.image.rgb, truth.mask, contours_, against.profile.widest_std_dev_mm(),
-                                mm_per_px(), against.flip, setup_.exposure(), against.flip_hdr});
+    run["metrics"] = metrics_json(
+        exitance, {truth.image.rgb, truth.mask, contours_, against.profile.widest_std_dev_mm(), mm_per_px(),
+                   against.flip, setup_.exposure(), against.flip_hdr, uv_view_ ? &*uv_view_ : nullptr});
+    if (setup_.spec.metrics.seam && !uv_view_) {
+      run["metrics"]["seam"] = nullptr;
+      run["metrics"]["seam_reason"] = "the mesh has no UVs";
+    }
     put_distinguishable(run, truth);
     if (setup_.spec.scene.albedo.empty()) return;
     // What leaves the surface with all of its albedo: in this, texturing before and after can be compared.
@@ -579,6 +586,7 @@ class ViewRunner {
   ContourMap contours_;
   std::optional<LightPathSample> light_paths_;
   std::pair<const Profile*, double> light_paths_of_;
+  std::optional<UvView> uv_view_;  // where the seam's metrics were asked for and the mesh has UVs
   ViewMaps maps_;
   std::map<std::string, Image> drawn_;  // under the current profile, by the methods' labels; for ladders
 };

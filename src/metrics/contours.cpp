@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "metrics/distance_field.h"
+
 namespace truescatter {
 namespace {
 
@@ -62,85 +64,6 @@ Neighbourhood classify(const ContourInputs& in, int x, int y) {
   return result;
 }
 
-// The lower envelope of parabolas (Felzenszwalb & Huttenlocher 2012): exact squared distances along one line.
-void transform_line(std::vector<double>& f, std::vector<std::size_t>& source) {
-  const std::size_t n = f.size();
-  std::vector<std::size_t> v(n);
-  std::vector<double> z(n + 1);
-  std::size_t k = 0;
-  bool any = false;
-  for (std::size_t q = 0; q < n; ++q) {
-    if (!std::isfinite(f[q])) continue;
-    const auto dq = static_cast<double>(q);
-    if (!any) {
-      v[0] = q;
-      z[0] = -kInfinity;
-      z[1] = kInfinity;
-      any = true;
-      continue;
-    }
-    double s = 0.0;
-    for (;;) {
-      const auto dv = static_cast<double>(v[k]);
-      s = ((f[q] + dq * dq) - (f[v[k]] + dv * dv)) / (2.0 * (dq - dv));
-      if (s > z[k] || k == 0) break;
-      --k;
-    }
-    if (s <= z[k]) {
-      v[k] = q;
-    } else {
-      v[++k] = q;
-      z[k] = s;
-    }
-    z[k + 1] = kInfinity;
-  }
-  if (!any) return;
-  std::vector<double> result(n);
-  std::vector<std::size_t> from(n);
-  k = 0;
-  for (std::size_t q = 0; q < n; ++q) {
-    while (z[k + 1] < static_cast<double>(q)) ++k;
-    const double d = static_cast<double>(q) - static_cast<double>(v[k]);
-    result[q] = d * d + f[v[k]];
-    from[q] = source[v[k]];
-  }
-  f = std::move(result);
-  source = std::move(from);
-}
-
-// For every pixel, the squared distance in pixels to the nearest contour pixel, and which one it is.
-struct DistanceField {
-  std::vector<double> squared;
-  std::vector<std::size_t> nearest;
-};
-
-DistanceField distance_to_contours(const ContourMap& map) {
-  const auto width = static_cast<std::size_t>(map.width);
-  const auto height = static_cast<std::size_t>(map.height);
-  DistanceField field{std::vector<double>(width * height, kInfinity),
-                      std::vector<std::size_t>(width * height)};
-  for (std::size_t i = 0; i < width * height; ++i) {
-    field.nearest[i] = i;
-    if (map.contour[i] != ContourClass::none) field.squared[i] = 0.0;
-  }
-  const auto along = [&](std::size_t first, std::size_t stride, std::size_t count) {
-    std::vector<double> f(count);
-    std::vector<std::size_t> source(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      f[i] = field.squared[first + i * stride];
-      source[i] = field.nearest[first + i * stride];
-    }
-    transform_line(f, source);
-    for (std::size_t i = 0; i < count; ++i) {
-      field.squared[first + i * stride] = f[i];
-      field.nearest[first + i * stride] = source[i];
-    }
-  };
-  for (std::size_t x = 0; x < width; ++x) along(x, width, height);
-  for (std::size_t y = 0; y < height; ++y) along(y * width, 1, width);
-  return field;
-}
-
 }  // namespace
 
 ContourMap find_contours(const ContourInputs& inputs) {
@@ -160,14 +83,17 @@ ContourMap find_contours(const ContourInputs& inputs) {
       map.mask_edge[map.index(x, y)] = found.mask_edge ? 1 : 0;
     }
   }
-  const DistanceField field = distance_to_contours(map);
+  std::vector<char> flagged(count, 0);
+  std::transform(map.contour.begin(), map.contour.end(), flagged.begin(),
+                 [](ContourClass contour) { return contour != ContourClass::none ? 1 : 0; });
+  const DistanceField field = distance_to(flagged, map.width, map.height);
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
       const std::size_t i = map.index(x, y);
-      if (inputs.mask.at(x, y, 0) == 0.0F || !std::isfinite(field.squared[i])) continue;
+      if (inputs.mask.at(x, y, 0) == 0.0F || !std::isfinite(field.squared_px[i])) continue;
       map.nearest[i] = map.contour[field.nearest[i]];
-      map.delta_mm[i] =
-          std::sqrt(field.squared[i]) * -static_cast<double>(inputs.position.at(x, y, 2)) / inputs.focal_px;
+      map.delta_mm[i] = std::sqrt(field.squared_px[i]) * -static_cast<double>(inputs.position.at(x, y, 2)) /
+                        inputs.focal_px;
     }
   }
   return map;

@@ -65,8 +65,8 @@ double width_of(const HaloProfile& profile) {
 
 }  // namespace
 
-Halo measure_halo(const Image& test, const Image& truth, const Image& mask, const ContourMap& contours,
-                  double widest_std_dev_mm, double mm_per_px, Quantity quantity, HaloSide side) {
+Halo measure_band(const Image& test, const Image& truth, const Image& mask, const Band& band_of,
+                  double widest_std_dev_mm, double mm_per_px, Quantity quantity) {
   assert(widest_std_dev_mm > 0.0 && mm_per_px > 0.0);
   Halo halo;
   halo.profile.bin_mm = std::max(0.25 * mm_per_px, widest_std_dev_mm / 8.0);
@@ -85,9 +85,11 @@ Halo measure_halo(const Image& test, const Image& truth, const Image& mask, cons
       const double error = value_of(test, x, y, quantity) - reference;
       truth_square += reference * reference;
       ++masked;
-      const double delta_mm = contours.delta_mm[contours.index(x, y)];
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(truth.width()) + static_cast<std::size_t>(x);
+      const double delta_mm = band_of.delta_mm[i];
       if (delta_mm > kRangeStdDevs * widest_std_dev_mm) beyond.add(error, reference);
-      if (!counts(contours.nearest[contours.index(x, y)], side)) continue;
+      if (!std::isfinite(delta_mm) || (band_of.counts && !band_of.counts(i))) continue;
       if (delta_mm <= kBandStdDevs * widest_std_dev_mm) band.add(error, reference);
       const auto bin = static_cast<std::size_t>(delta_mm / halo.profile.bin_mm);
       if (bin < bins) binned[bin].add(error, reference);
@@ -104,6 +106,13 @@ Halo measure_halo(const Image& test, const Image& truth, const Image& mask, cons
   halo.energy = band.mean_truth() > dark ? band.magnitude / band.truth : kNan;
   halo.contrast = beyond.rmse() > 0.0 ? band.rmse() / beyond.rmse() : kNan;
   return halo;
+}
+
+Halo measure_halo(const Image& test, const Image& truth, const Image& mask, const ContourMap& contours,
+                  double widest_std_dev_mm, double mm_per_px, Quantity quantity, HaloSide side) {
+  const auto on_side = [&](std::size_t i) { return counts(contours.nearest[i], side); };
+  return measure_band(test, truth, mask, {contours.delta_mm, on_side}, widest_std_dev_mm, mm_per_px,
+                      quantity);
 }
 
 }  // namespace truescatter

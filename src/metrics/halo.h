@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,18 @@ struct Halo {
   double contrast = 0.0;   // RMSE within 3 s over RMSE beyond 6 s
   std::size_t pixels = 0;  // within 3 s
 };
+
+// A distance from lines on the picture, by which errors are sorted.
+struct Band {
+  const std::vector<double>& delta_mm;  // of each pixel, row by row; infinite: none is near
+  std::function<bool(std::size_t pixel)>
+      counts;  // whether its nearest line is of the kind asked for; empty: yes
+};
+
+// The same numbers about any lines: `delta_mm` in place of the distance to silhouettes. Values as those of
+// measure_halo.
+Halo measure_band(const Image& test, const Image& truth, const Image& mask, const Band& band,
+                  double widest_std_dev_mm, double mm_per_px, Quantity quantity);
 
 // Which silhouettes count.
 enum class HaloSide { all, outer, inner_near, inner_far };

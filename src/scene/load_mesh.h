@@ -64,4 +64,8 @@ struct UvReport {
 // Only `triangles` is set for a mesh without UVs.
 UvReport inspect_uvs(const Mesh& mesh);
 
+// The larger over the smaller singular value of a triangle's map from UV to the surface, at least 1 but for
+// rounding; infinite or not a number where the triangle has no area in UV.
+double uv_anisotropy(const Mesh& mesh, std::size_t triangle);
+
 }  // namespace truescatter

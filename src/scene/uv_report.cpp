@@ -180,21 +180,6 @@ class WeightedValues {
   double total_ = 0.0;
 };
 
-// Largest over smallest singular value of dP/duv.
-double anisotropy(const Mesh& mesh, std::size_t triangle, const UvTriangle& uv) {
-  Eigen::Matrix<double, 3, 2> edges;
-  edges << mesh.corner(triangle, 1) - mesh.corner(triangle, 0),
-      mesh.corner(triangle, 2) - mesh.corner(triangle, 0);
-  Eigen::Matrix2d uv_edges;
-  uv_edges << uv[1] - uv[0], uv[2] - uv[0];
-  const Eigen::Matrix<double, 3, 2> jacobian = edges * uv_edges.inverse();
-  const Eigen::Matrix2d metric = jacobian.transpose() * jacobian;
-  // Eigenvalues of a symmetric 2x2 matrix; the smaller one from the determinant, without cancellation.
-  const double mean = 0.5 * metric.trace();
-  const double spread = std::hypot(0.5 * (metric(0, 0) - metric(1, 1)), metric(0, 1));
-  return (mean + spread) / std::sqrt(metric.determinant());
-}
-
 // How many triangles are wound against the majority of the area.
 std::size_t count_flipped(const std::vector<UvTriangle>& triangles) {
   std::array<double, 2> areas{};
@@ -217,7 +202,7 @@ void measure_density(const Mesh& mesh, UvReport& report) {
     const double uv_area = std::abs(signed_area(uv));
     if (uv_area < kZeroUvArea || area <= kZeroAreaMm2) continue;
     mm_per_unit.add(std::sqrt(area / uv_area), area);
-    const double ratio = anisotropy(mesh, t, uv);
+    const double ratio = uv_anisotropy(mesh, t);
     if (std::isfinite(ratio)) anisotropies.add(std::max(1.0, ratio), area);
   }
   report.mm_per_unit_median = mm_per_unit.quantile(0.5, 0.0);
@@ -227,6 +212,21 @@ void measure_density(const Mesh& mesh, UvReport& report) {
 }
 
 }  // namespace
+
+double uv_anisotropy(const Mesh& mesh, std::size_t triangle) {
+  const UvTriangle& uv = (*mesh.corner_uvs)[triangle];
+  Eigen::Matrix<double, 3, 2> edges;
+  edges << mesh.corner(triangle, 1) - mesh.corner(triangle, 0),
+      mesh.corner(triangle, 2) - mesh.corner(triangle, 0);
+  Eigen::Matrix2d uv_edges;
+  uv_edges << uv[1] - uv[0], uv[2] - uv[0];
+  const Eigen::Matrix<double, 3, 2> jacobian = edges * uv_edges.inverse();
+  const Eigen::Matrix2d metric = jacobian.transpose() * jacobian;
+  // Eigenvalues of a symmetric 2x2 matrix; the smaller one from the determinant, without cancellation.
+  const double mean = 0.5 * metric.trace();
+  const double spread = std::hypot(0.5 * (metric(0, 0) - metric(1, 1)), metric(0, 1));
+  return (mean + spread) / std::sqrt(metric.determinant());
+}
 
 UvReport inspect_uvs(const Mesh& mesh) {
   UvReport report;

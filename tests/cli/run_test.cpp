@@ -700,6 +700,31 @@ TEST_F(CliRun, LetsLightThroughTransmittersOnly) {
   }
 }
 
+// A ball's atlas has seams in view; a square has none, and says so.
+TEST_F(CliRun, MeasuresSeamsAndStretchWhereAskedTo) {
+  const std::string ball = kBallScene +
+                           "width_px = 48\nheight_px = 48\n[[profile]]\nname = \"spike-and-base\"\n"
+                           "[[method]]\nname = \"texture-space\"\n[truth]\ngeodesic = \"off\"\n"
+                           "[metrics]\nseam = true\n[timing]\nwarm_up = 0\nrepeats = 1\n";
+  const ProgramResult result = run(ball);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json metrics = json("out/results.json").at("runs").at(0).at("metrics");
+  const Json& seam = metrics.at("seam");
+  expect_keys(seam, {"peak", "width_mm", "energy", "contrast", "profile", "pixels", "stretch"}, "seam");
+  EXPECT_GT(seam.at("peak").get<double>(), 0.0);
+  EXPECT_GT(seam.at("energy").get<double>(), 0.0);
+  int pixels = 0;
+  for (const Json& bin : seam.at("stretch")) pixels += bin.at("pixels").get<int>();
+  EXPECT_EQ(pixels, metrics.at("pixels"));
+  EXPECT_TRUE(seam.at("stretch").back().at("to").is_null());
+  expect_keys(metrics.at("channels").at("g").at("seam"), {"peak", "stretch"}, "seam of green");
+
+  ASSERT_EQ(run(with(kTiny, "[timing]", "[metrics]\nseam = true\n[timing]")).exit_code, 0);
+  const Json square = json("out/results.json").at("runs").at(0).at("metrics").at("seam");
+  EXPECT_TRUE(square.at("peak").is_null());
+  EXPECT_EQ(square.at("peak_reason"), "no UV seam in view with light beside it");
+}
+
 TEST_F(CliRun, SwitchedOffGeodesicTruthsLeaveAReason) {
   const std::string experiment = with(with(kTiny, "\"pscbf\"", "\"texture-space\""), "[timing]",
                                       "[truth]\ngeodesic = \"off\"\n[timing]");

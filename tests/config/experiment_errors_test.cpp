@@ -103,6 +103,8 @@ const Broken kBroken[] = {
     {"UnknownInMethod", kMethod, "name = \"none\"\ntaps = 3", ":18:8", "unknown key 'method.taps'"},
     {"UnknownInTiming", "repeats = 1", "repeat = 1", ":20:10",
      "unknown key 'timing.repeat'; known here: repeats, warm_up"},
+    {"UnknownInMetrics", "[timing]", "[metrics]\nseams = true\n[timing]", ":20:9",
+     "unknown key 'metrics.seams'"},
     {"UnknownInTruth", "[timing]", "[truth]\ntol = 1\n[timing]", ":20:7", "unknown key 'truth.tol'"},
     {"UnknownInShading", "[timing]", "[shading]\nfloor = 1\n[timing]", ":20:9",
      "unknown key 'shading.floor'"},

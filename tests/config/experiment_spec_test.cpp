@@ -134,6 +134,9 @@ cache = false
 visible_only = true
 light_paths = 2000
 
+[metrics]
+seam = true
+
 [timing]
 warm_up = 4
 repeats = 9
@@ -256,6 +259,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_FALSE(spec.truth.cache);
   EXPECT_TRUE(spec.truth.visible_only);
   EXPECT_EQ(spec.truth.light_paths, 2000);
+  EXPECT_TRUE(spec.metrics.seam);
   EXPECT_EQ(spec.timing.warm_up, 4);
   EXPECT_EQ(spec.timing.repeats, 9);
 
@@ -297,6 +301,7 @@ TEST_F(ExperimentSpecTest, HasTheDocumentedDefaults) {
   EXPECT_TRUE(spec.truth.cache);
   EXPECT_FALSE(spec.truth.visible_only);
   EXPECT_EQ(spec.truth.light_paths, 0);
+  EXPECT_FALSE(spec.metrics.seam);
   EXPECT_EQ(spec.timing.warm_up, 1);
   EXPECT_EQ(spec.timing.repeats, 3);
   EXPECT_TRUE(spec.thresholds.empty());
@@ -399,6 +404,7 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
   EXPECT_EQ(a.truth.cache, b.truth.cache);
   EXPECT_EQ(a.truth.visible_only, b.truth.visible_only);
   EXPECT_EQ(a.truth.light_paths, b.truth.light_paths);
+  EXPECT_EQ(a.metrics.seam, b.metrics.seam);
   EXPECT_EQ(a.timing.warm_up, b.timing.warm_up);
   EXPECT_EQ(a.timing.repeats, b.timing.repeats);
   ASSERT_EQ(a.thresholds.size(), b.thresholds.size());

@@ -28,11 +28,11 @@ function haloPoints(run, side, channel) {
                                                              null));
 }
 
-// Broken where a bin has no light.
+// Broken where a bin has no light; a bin between two such is a dot.
 function linePath(points, x, y) {
   let path = "", pen = "M";
   for (const point of points) {
-    if (point) path += `${pen}${x(point.x).toFixed(1)},${y(point.y).toFixed(1)}`;
+    if (point) path += `${pen}${x(point.x).toFixed(1)},${y(point.y).toFixed(1)}${pen === "M" ? "h0" : ""}`;
     pen = point ? "L" : "M";
   }
   return path;
@@ -55,8 +55,8 @@ function haloTicks([low, high]) {
   return [...sizes.map((tick) => -tick), 0, ...sizes].filter((tick) => tick >= low && tick <= high);
 }
 
-function haloRange(c, channel) {
-  const all = HALO_SIDES.flatMap((side) => c.runs.flatMap((run) => haloPoints(run, side, channel)))
+function haloRange(c, channel, sides = HALO_SIDES) {
+  const all = sides.flatMap((side) => c.runs.flatMap((run) => haloPoints(run, side, channel)))
                   .filter(Boolean)
                   .map((p) => p.y);
   return [1.15 * Math.min(-1.6, ...all), 1.15 * Math.max(1.6, ...all)];
@@ -64,7 +64,7 @@ function haloRange(c, channel) {
 
 const signedText = (value) => (value < 0 ? MINUS + Math.abs(value) : value > 0 ? "+" + value : "0");
 
-function haloAxes(x, y, yRange, xMax, widest, frame) {
+function haloAxes(x, y, yRange, xMax, widest, frame, line) {
   const marks = [1, 3, 6].filter((m) => m * widest <= xMax * 1.001);
   return s(
       "g", {class: "axes"}, s("rect", {
@@ -101,7 +101,7 @@ function haloAxes(x, y, yRange, xMax, widest, frame) {
       s("text", {class: "label", x: frame.left - 6, y: frame.top - 5, "text-anchor": "end"}, "%"),
       s("text",
         {class: "label", x: (frame.left + frame.right) / 2, y: HALO.height - 4, "text-anchor": "middle"},
-        "\u03b4, mm from the silhouette"));
+        `\u03b4, mm from the ${line}`));
 }
 
 // The run with the largest peak is named on the chart itself.
@@ -158,7 +158,7 @@ function haloChart(c, side, channel, yRange) {
         role: "img",
         "aria-label": `${side.title}, ${caseName(c)}`
       },
-      haloAxes(x, y, yRange, xMax, widest, frame),
+      haloAxes(x, y, yRange, xMax, widest, frame, side.line || "silhouette"),
       lines.map(
           ({run, points}) =>
               s("path", {

@@ -14,7 +14,8 @@ function setTheme(theme) {
 const SECTIONS = [
   ["overview", "Overview"], ["speed", "Speed against accuracy"], ["pictures", "Pictures"],
   ["metrics", "Metrics"], ...(ladders.length > 0 ? [["ladders", "Assumptions"]] : []),
-  ...(termGroups().length > 0 ? [["terms", "Gaussians"]] : []), ["halos", "Halos"], ["what", "What was run"]
+  ...(termGroups().length > 0 ? [["terms", "Gaussians"]] : []), ["halos", "Halos"],
+  ...(hasSeam() ? [["seams", "UV seams"]] : []), ["what", "What was run"]
 ];
 
 document.getElementById("head").append(...pageHead().filter(Boolean));
@@ -30,7 +31,7 @@ document.getElementById("nav").append(
 if (["light", "dark"].includes(saved.theme)) setTheme(saved.theme);
 append(document.getElementById("main"), [
   overview(), costSection(), pictureSection(), tableSection(), ladderSection(), termsSection(), haloSection(),
-  detailsSection()
+  seamSection(), detailsSection()
 ]);
 document.documentElement.dataset.ready = "yes";
 if (saved.view && viewerParts.root) viewerParts.root.scrollIntoView({block: "start"});
