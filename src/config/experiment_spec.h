@@ -195,6 +195,7 @@ struct TruthSpec {
 // What is measured beyond what every run measures.
 struct MetricsSpec {
   bool seam = false;  // errors against the distance to UV seams, and against the UV map's stretch
+  bool leak = false;  // light that methods carry from one surface to another: each is lit alone once
 };
 
 struct TimingSpec {

@@ -440,6 +440,7 @@ TruthSpec read_truth(TomlTable table) {
 MetricsSpec read_metrics(TomlTable table) {
   MetricsSpec metrics;
   metrics.seam = table.flag("seam", metrics.seam);
+  metrics.leak = table.flag("leak", metrics.leak);
   table.finish();
   return metrics;
 }
@@ -803,7 +804,7 @@ std::string to_toml(const ExperimentSpec& spec) {
           line("audit_points", spec.truth.audit_points) + line("seed", spec.truth.seed) +
           line("geodesic", spec.truth.geodesic) + line("visible_only", spec.truth.visible_only) +
           line("light_paths", spec.truth.light_paths) + line("cache", spec.truth.cache);
-  text += "\n[metrics]\n" + line("seam", spec.metrics.seam);
+  text += "\n[metrics]\n" + line("seam", spec.metrics.seam) + line("leak", spec.metrics.leak);
   text += "\n[timing]\n" + line("warm_up", spec.timing.warm_up) + line("repeats", spec.timing.repeats);
   for (const ThresholdSpec& threshold : spec.thresholds) {
     text += "\n[[threshold]]\n" + line("method", threshold.method) + line("metric", threshold.metric) +

@@ -73,6 +73,14 @@ json seam_json(const Image& test, const MetricInputs& in, Quantity quantity) {
   return seam;
 }
 
+json leak_numbers(const std::vector<LitAlone>& surfaces, double largest_irradiance) {
+  const Leak leak = total_leak(surfaces, largest_irradiance);
+  json object;
+  put_number(object, "energy", leak.energy, "no light leaves the lit surface towards the view");
+  put_number(object, "peak", leak.peak, "no surface to light");
+  return object;
+}
+
 }  // namespace
 
 Image exposed(const Image& image, double exposure) {
@@ -98,6 +106,18 @@ json error_stats_json(const Image& test, const Image& truth, const Image& mask) 
                     error_stats(test, truth, mask, quantity));
   }
   return metrics;
+}
+
+json leak_json(const std::vector<LitAlone>& surfaces, double largest_irradiance) {
+  json object = leak_numbers(surfaces, largest_irradiance);
+  object["by_surface"] = json::array();
+  for (const LitAlone& surface : surfaces) {
+    json part = leak_numbers({surface}, largest_irradiance);
+    part["component"] = surface.component;
+    part["pixels"] = surface.pixels;
+    object["by_surface"].push_back(part);
+  }
+  return object;
 }
 
 json metrics_json(const Image& test, const MetricInputs& inputs) {

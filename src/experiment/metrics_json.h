@@ -7,6 +7,7 @@
 #include "metrics/contours.h"
 #include "metrics/flip.h"
 #include "metrics/halo.h"
+#include "metrics/leak.h"
 #include "metrics/seam.h"
 
 namespace truescatter {
@@ -33,6 +34,10 @@ struct MetricInputs {
 
 // The `metrics` object of results.json: luminance at the top, r, g, b under `channels` (DESIGN section 4).
 nlohmann::json metrics_json(const Image& test, const MetricInputs& inputs);
+
+// The `leak` object: energy, peak, and by_surface[] {component, pixels, energy, peak}, each of what leaves
+// that surface when it is the only one lit.
+nlohmann::json leak_json(const std::vector<LitAlone>& surfaces, double largest_irradiance);
 
 // The error statistics alone: what `compare` prints, and what own targets carry.
 nlohmann::json error_stats_json(const Image& test, const Image& truth, const Image& mask);

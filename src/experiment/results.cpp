@@ -28,7 +28,7 @@ json at_pointer(const json& object, const char* pointer) {
 }  // namespace
 
 std::string results_csv(const json& results) {
-  static constexpr std::array<std::array<const char*, 2>, 27> kColumns = {
+  static constexpr std::array<std::array<const char*, 2>, 29> kColumns = {
       {{"view", "/view"},
        {"profile", "/profile"},
        {"method", "/method"},
@@ -50,6 +50,8 @@ std::string results_csv(const json& results) {
        {"halo_contrast", "/metrics/halo/contrast"},
        {"seam_peak", "/metrics/seam/peak"},
        {"seam_energy", "/metrics/seam/energy"},
+       {"leak_energy", "/metrics/leak/energy"},
+       {"leak_peak", "/metrics/leak/peak"},
        {"own_rmse", "/own_target/metrics/rmse"},
        {"profile_rmse", "/profile_error/metrics/rmse"},
        {"frame_ms", "/cost/frame_ms/median"},

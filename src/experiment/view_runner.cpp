@@ -6,12 +6,14 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "core/progress.h"
 #include "experiment/frame_files.h"
 #include "experiment/ladder.h"
 #include "experiment/light_path_sample.h"
+#include "experiment/lit_alone.h"
 #include "experiment/metrics_json.h"
 #include "experiment/own_method.h"
 #include "experiment/pass_files.h"
@@ -222,6 +224,7 @@ class ViewRunner {
     if (truth_.points().size() == 0)
       throw_input_error({setup_.spec.file.string()}, "view '{}' sees no skin", name_);
     compute_truths();
+    if (setup_.spec.metrics.leak) measure_leaks();
     Progress progress(fmt::format("view {}: methods", name_),
                       setup_.plan.profiles.size() * setup_.plan.methods.size());
     for (const Profile& profile : setup_.plan.profiles) {
@@ -415,6 +418,7 @@ class ViewRunner {
     run["cost"] = measured.cost;
     if (measured.cost.is_null()) run["cost_reason"] = "a picture made elsewhere: nothing of it ran here";
     add_metrics(run, measured.exitance, against);
+    if (setup_.spec.metrics.leak) add_leak(run, planned, against.truths.headline());
     const OwnTarget own = method.own_target(profile, planned.settings);
     run["own_target"] = error_against(against.truths.of(own), measured.exitance);
     if (own.transmittance)
@@ -507,6 +511,73 @@ class ViewRunner {
                                                     textured(truth.image.rgb, maps_.albedo), truth.mask)}};
   }
 
+  // The connected pieces of skin that are seen.
+  std::set<int> seen_surfaces() const {
+    std::set<int> surfaces;
+    for (std::size_t i = 0; i < images_.surface.size(); ++i) {
+      if (images_.mask.data()[i] != 0.0F) surfaces.insert(component_at(i));
+    }
+    return surfaces;
+  }
+
+  int component_at(std::size_t pixel) const {
+    return setup_.scene.shading.triangles[static_cast<std::size_t>(images_.surface[pixel].triangle)]
+        .component;
+  }
+
+  // What a method draws of a frame, untimed.
+  Image draw_once(const Method& method, const MethodInputs& inputs) const {
+    const PreparedMethod prepared = method.prepare(inputs);
+    Passes passes(setup_.context);
+    prepared.render(passes);
+    setup_.context.check(method.name.c_str());
+    return gpu::read_texture(setup_.context, *prepared.output, 3);
+  }
+
+  // Every method under every profile once for each surface in view, with the others dark.
+  void measure_leaks() {
+    const std::set<int> surfaces = seen_surfaces();
+    if (surfaces.size() < 2) return;
+    Progress progress(fmt::format("view {}: leaks", name_), surfaces.size());
+    for (const int component : surfaces) {
+      const ShadingMesh lit = lit_alone(setup_.scene.shading, component);
+      const SurfaceBuffers surface(setup_.context, lit, lit_alone(setup_.scene.lights, lit, component));
+      const Frame frame = render_frame(setup_.context, surface, lit, frame_.camera);
+      Image dark = images_.mask;
+      for (std::size_t i = 0; i < images_.surface.size(); ++i) {
+        if (dark.data()[i] != 0.0F && component_at(i) == component) dark.data()[i] = 0.0F;
+      }
+      for (const Profile& profile : setup_.plan.profiles) {
+        for (const PlannedMethod& planned : setup_.plan.methods) {
+          if (planned.pictures != nullptr || is_skipped(planned, surface.has_uvs())) continue;
+          const Image exitance = draw_once(
+              *planned.method, {setup_.context, frame, surface, median_depth_mm_, profile, planned.settings});
+          leaks_[{profile.name, planned.label}].push_back(measure_dark(component, exitance, dark));
+        }
+      }
+      progress.advance();
+    }
+  }
+
+  void add_leak(json& run, const PlannedMethod& planned, const ViewedTruth& truth) {
+    const auto found = leaks_.find({truth.planned.profile->name, planned.label});
+    if (found == leaks_.end()) {
+      run["metrics"]["leak"] = nullptr;
+      run["metrics"]["leak_reason"] = planned.pictures != nullptr
+                                          ? "a picture made elsewhere cannot be drawn again with other light"
+                                          : "the view shows one surface alone";
+      return;
+    }
+    for (LitAlone& surface : found->second) {
+      for (std::size_t i = 0; i < images_.surface.size(); ++i) {
+        if (truth.mask.data()[i] == 0.0F || component_at(i) != surface.component) continue;
+        const std::span<const float> rgb = truth.image.rgb.data().subspan(3 * i, 3);
+        surface.lit_light += luminance(Vec3d(rgb[0], rgb[1], rgb[2]));
+      }
+    }
+    run["metrics"]["leak"] = leak_json(found->second, setup_.scene.largest_irradiance);
+  }
+
   // Below the truth's uncertainty nothing can be told from the truth; nor below the doubt about what is
   // visible, taken as the RMSE is, over the same pixels.
   void put_distinguishable(json& measured, const ViewedTruth& truth) const {
@@ -583,6 +654,8 @@ class ViewRunner {
   std::vector<PlannedTruth> planned_;
   ViewTruth truth_;
   std::map<std::string, ProfileTruth> profile_truths_;  // by the names of the profiles that approximate them
+  // By profile's name and method's label: what the method carries from each surface in view to the others.
+  std::map<std::array<std::string, 2>, std::vector<LitAlone>> leaks_;
   ContourMap contours_;
   std::optional<LightPathSample> light_paths_;
   std::pair<const Profile*, double> light_paths_of_;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -723,6 +724,81 @@ TEST_F(CliRun, MeasuresSeamsAndStretchWhereAskedTo) {
   const Json square = json("out/results.json").at("runs").at(0).at("metrics").at("seam");
   EXPECT_TRUE(square.at("peak").is_null());
   EXPECT_EQ(square.at("peak_reason"), "no UV seam in view with light beside it");
+}
+
+// Two cards of 60 mm, one 20 mm behind the other, in view side by side: 30 mm each of one straight edge of 60
+// mm.
+const std::string kTwoCards = R"(
+[scene]
+mesh = "builtin:cards"
+[[light]]
+direction = [0.0, 0.0, 1.0]
+shadows = false
+[[view]]
+name = "front"
+eye_mm = [0.0, 0.0, 2000.0]
+fov_deg = 2.2915
+width_px = 256
+height_px = 256
+[[profile]]
+name = "spike-and-base"
+[[method]]
+name = "none"
+[[method]]
+name = "blur2d"
+[[method]]
+name = "cbf"
+[metrics]
+leak = true
+[timing]
+warm_up = 0
+repeats = 1
+)";
+
+// Either card lit alone with I = 1. A Gaussian carries Phi(-x / s) of it to a distance x beyond a straight
+// edge: s / sqrt(2 pi) per mm of edge, less at the edge's two ends, which have dark corners beside them: s^2
+// / 2 pi each. With spike w_0 = 15, 18, 20 % and v = 2.3, 1.4, 1.1 mm^2, by the weights of luminance. That
+// twice, over a truth of 1 on 30 mm x 60 mm twice, but for its corners. The scale of the cards differs by 1 %
+// and blur2d has one for both: 0.5 %; pixels of 0.31 mm at the edges of 60 mm: 0.5 %; corners of less than
+// half the mass are not measured, six of less than s^2 each: 0.4 %; the taps end at 4 s: 0.01 %.
+TEST_F(CliRun, MeasuresLeaksWhereAskedTo) {
+  const ProgramResult result = run(kTwoCards);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json results = json("out/results.json");
+  const std::array<double, 3> luminance_weight = {0.2126, 0.7152, 0.0722};
+  const std::array<double, 3> base = {0.85, 0.82, 0.80};
+  const std::array<double, 3> variance_mm2 = {2.3, 1.4, 1.1};
+  // The first pixel beyond the edge: its centre is half a pixel away, at most 1 % of which is the scale.
+  const double half_px_mm = 0.5 * 80.0 / 256.0;
+  double crossing_mm2 = 0.0;
+  double beside_edge = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double s = std::sqrt(variance_mm2[c]);
+    const double weight = luminance_weight[c] * base[c];
+    crossing_mm2 += weight * (60.0 * s / std::sqrt(2.0 * kPi) - 2.0 * variance_mm2[c] / (2.0 * kPi));
+    beside_edge += weight * 0.5 * std::erfc(half_px_mm / (s * std::sqrt(2.0)));
+  }
+  const double expected = 2.0 * crossing_mm2 / (2.0 * 30.0 * 60.0);
+  const Json& none = results.at("runs").at(0).at("metrics").at("leak");
+  EXPECT_EQ(none.at("energy"), 0.0);
+  EXPECT_EQ(none.at("peak"), 0.0);
+  ASSERT_EQ(none.at("by_surface").size(), 2U);
+  const Json& blur = results.at("runs").at(1).at("metrics").at("leak");
+  EXPECT_NEAR(blur.at("energy").get<double>(), expected, 0.015 * expected);
+  EXPECT_NEAR(blur.at("peak").get<double>(), beside_edge, 0.01 * beside_edge);
+  for (const Json& surface : blur.at("by_surface"))
+    EXPECT_NEAR(surface.at("energy").get<double>(), expected, 0.03 * expected) << surface;
+  // Its depth term is exp(-20^2 / (2 * 2.3)) = 2e-38 at most.
+  const Json& filter = results.at("runs").at(2).at("metrics").at("leak");
+  EXPECT_LT(filter.at("energy").get<double>(), 1e-30);
+  EXPECT_TRUE(contains(text("out/results.csv"), ",leak_energy,leak_peak,"));
+}
+
+TEST_F(CliRun, ASurfaceAloneHasNoLeakAndSaysWhy) {
+  ASSERT_EQ(run(with(kTiny, "[timing]", "[metrics]\nleak = true\n[timing]")).exit_code, 0);
+  const Json metrics = json("out/results.json").at("runs").at(0).at("metrics");
+  EXPECT_TRUE(metrics.at("leak").is_null());
+  EXPECT_EQ(metrics.at("leak_reason"), "the view shows one surface alone");
 }
 
 TEST_F(CliRun, SwitchedOffGeodesicTruthsLeaveAReason) {

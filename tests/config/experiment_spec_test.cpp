@@ -136,6 +136,7 @@ light_paths = 2000
 
 [metrics]
 seam = true
+leak = true
 
 [timing]
 warm_up = 4
@@ -260,6 +261,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_TRUE(spec.truth.visible_only);
   EXPECT_EQ(spec.truth.light_paths, 2000);
   EXPECT_TRUE(spec.metrics.seam);
+  EXPECT_TRUE(spec.metrics.leak);
   EXPECT_EQ(spec.timing.warm_up, 4);
   EXPECT_EQ(spec.timing.repeats, 9);
 
@@ -302,6 +304,7 @@ TEST_F(ExperimentSpecTest, HasTheDocumentedDefaults) {
   EXPECT_FALSE(spec.truth.visible_only);
   EXPECT_EQ(spec.truth.light_paths, 0);
   EXPECT_FALSE(spec.metrics.seam);
+  EXPECT_FALSE(spec.metrics.leak);
   EXPECT_EQ(spec.timing.warm_up, 1);
   EXPECT_EQ(spec.timing.repeats, 3);
   EXPECT_TRUE(spec.thresholds.empty());
@@ -405,6 +408,7 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
   EXPECT_EQ(a.truth.visible_only, b.truth.visible_only);
   EXPECT_EQ(a.truth.light_paths, b.truth.light_paths);
   EXPECT_EQ(a.metrics.seam, b.metrics.seam);
+  EXPECT_EQ(a.metrics.leak, b.metrics.leak);
   EXPECT_EQ(a.timing.warm_up, b.timing.warm_up);
   EXPECT_EQ(a.timing.repeats, b.timing.repeats);
   ASSERT_EQ(a.thresholds.size(), b.thresholds.size());

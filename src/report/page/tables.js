@@ -33,6 +33,28 @@ const flip = (key) => (run, channel) =>
     (channel === "luminance" ? lookUp(run.metrics, key) :
                                {value: null, reason: "FLIP is a value of the whole colour"});
 
+// Where an experiment asks for it.
+const ofWhole = (get) => (run, channel) =>
+    (channel === "luminance" ? get(run, channel) : {value: null, reason: "a value of luminance alone"});
+const LEAK_COLUMNS = [
+  {
+    group: "Leak",
+    name: "energy",
+    unit: "%",
+    get: ofWhole(inPercent(metric("leak.energy"))),
+    help: "leak.energy: with each surface in view lit alone in turn, sum over the pixels of the dark surfaces of " +
+        "|luminance| / sum of the truth\u2019s luminance over the lit surface\u2019s pixels; both sums over all turns. " +
+        "The truth is 0: light does not cross from one connected piece of skin to another"
+  },
+  {
+    group: "Leak",
+    name: "peak",
+    unit: "%",
+    get: ofWhole(inPercent(metric("leak.peak"))),
+    help: "leak.peak: the largest luminance of a dark pixel / the scene\u2019s largest irradiance"
+  }
+];
+
 const COLUMNS = [
   {
     group: "Headline",
@@ -127,7 +149,7 @@ const COLUMNS = [
     ranks: false,
     help: "halo.contrast: RMSE within 3s / RMSE beyond 6s"
   },
-  {
+  ...(runs.some((run) => (run.metrics || {}).leak !== undefined) ? LEAK_COLUMNS : []), {
     group: "Cost",
     name: "frame",
     unit: "ms",
@@ -325,7 +347,8 @@ function dashNotes(c, channel) {
                 `${EN_DASH} ${text} (${all.length === c.runs.length ? "all" : all.join(", ")}). `));
 }
 
-const columnName = (column) => column.group === "Halo" ? "halo " + column.name :
+const columnName = (column) => ["Halo", "Leak"].includes(column.group) ?
+    `${column.group.toLowerCase()} ${column.name}` :
     column.group === "RMSE"                            ? `RMSE, ${column.name}` :
                                                          column.name;
 
