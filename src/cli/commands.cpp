@@ -108,6 +108,14 @@ int compare(const CompareArguments& arguments) {
              "rel_rmse", "p50", "p95", "p99", "max");
   print_stats("luminance", stats);
   for (const char* channel : {"r", "g", "b"}) print_stats(channel, stats.at("channels").at(channel));
+  fmt::print(
+      "e = test - truth over n pixels; bias (1/n) sum e; mae (1/n) sum |e|; rmse sqrt((1/n) sum e^2); "
+      "rel_rmse rmse / "
+      "sqrt((1/n) sum truth^2); p50, p95, p99 quantiles of |e| (nearest rank); max largest |e|; luminance of "
+      "Rec. "
+      "709\nFLIP: mean of LDR-FLIP, 1 as the display's white; HDR-FLIP: mean of its largest over exposures "
+      "(both "
+      "0 to 1, 67 pixels a degree)\n");
   fmt::print("{} pixels; errors are test - truth; FLIP {}, HDR-FLIP {}\n", stats.at("pixels").dump(),
              stats.at("flip").dump(), stats.at("flip_hdr").dump());
   return 0;

@@ -23,15 +23,48 @@ struct Field {
   const char* pointer;
 };
 
-constexpr std::array<Field, 9> kMetrics = {{{"rmse", "/metrics/rmse"},
-                                            {"rel_rmse", "/metrics/rel_rmse"},
-                                            {"bias", "/metrics/bias"},
-                                            {"max", "/metrics/max"},
-                                            {"flip", "/metrics/flip"},
-                                            {"flip_hdr", "/metrics/flip_hdr"},
-                                            {"halo_peak", "/metrics/halo/peak"},
-                                            {"frame_ms", "/cost/frame_ms/median"},
-                                            {"fetches_per_pixel", "/cost/fetches_per_pixel"}}};
+// What a difference has to exceed to be a change.
+enum class Noise {
+  truth,      // in units of irradiance: the uncertainty of both truths, see truth_noise
+  relative,   // the same over the RMS of the truth
+  own_truth,  // as the first, of the method's own target
+  none,       // any: counted, or without a bound by the truth's uncertainty
+  time,       // the ranges of the repeats do not overlap
+};
+
+struct MetricField {
+  const char* name;
+  const char* pointer;
+  Noise noise;
+};
+
+constexpr std::array<MetricField, 19> kMetrics = {
+    {{"rmse", "/metrics/rmse", Noise::truth},
+     {"rel_rmse", "/metrics/rel_rmse", Noise::relative},
+     {"bias", "/metrics/bias", Noise::truth},
+     {"mae", "/metrics/mae", Noise::truth},
+     {"p50", "/metrics/p50", Noise::truth},
+     {"p95", "/metrics/p95", Noise::truth},
+     {"p99", "/metrics/p99", Noise::truth},
+     {"max", "/metrics/max", Noise::truth},
+     {"flip", "/metrics/flip", Noise::none},
+     {"flip_hdr", "/metrics/flip_hdr", Noise::none},
+     {"halo_peak", "/metrics/halo/peak", Noise::none},
+     {"halo_energy", "/metrics/halo/energy", Noise::none},
+     {"seam_peak", "/metrics/seam/peak", Noise::none},
+     {"leak_energy", "/metrics/leak/energy", Noise::none},
+     {"own_rmse", "/own_target/metrics/rmse", Noise::own_truth},
+     {"frame_ms", "/cost/frame_ms/median", Noise::time},
+     {"passes", "/cost/passes", Noise::none},
+     {"fetches_per_pixel", "/cost/fetches_per_pixel", Noise::none},
+     {"bytes_per_pixel", "/cost/bytes_per_pixel", Noise::none}}};
+
+constexpr const char* kRules =
+    "changed (*): bias, mae, rmse (own_rmse too), quantiles and max by more than the uncertainties of both "
+    "truths together, which is what a change of truth alone can do; rel_rmse by more than that times (1 + "
+    "rel_rmse) / RMS of the truth; frame_ms where the ranges [min, max] of the repeats do not overlap; all "
+    "else "
+    "where it differs\n";
 
 constexpr std::array<Field, 11> kProvenance = {{{"version", "/version"},
                                                 {"commit", "/commit"},
@@ -63,11 +96,31 @@ json name_json(const RunName& name) {
   return {{"scene", name[0]}, {"view", name[1]}, {"profile", name[2]}, {"label", name[3]}};
 }
 
-std::map<RunName, json> runs_by_name(const json& results, const fs::path& folder) {
-  std::map<RunName, json> runs;
+// A run with the uncertainties of its truth and of its own target's, in units of irradiance; null where the
+// results do not say.
+struct NamedRun {
+  json run;
+  json uncertainty;
+  json own_uncertainty;
+};
+
+json uncertainty_of(const json& results, const json& id) {
+  const json largest = at_pointer(results, "/scene/largest_irradiance");
+  if (!largest.is_number() || !id.is_string()) return {};
+  for (const json& truth : results.value("truths", json::array())) {
+    if (truth.value("id", json()) != id || !truth.value("uncertainty", json()).is_number()) continue;
+    return truth.at("uncertainty").get<double>() * largest.get<double>();
+  }
+  return {};
+}
+
+std::map<RunName, NamedRun> runs_by_name(const json& results, const fs::path& folder) {
+  std::map<RunName, NamedRun> runs;
   for (const json& run : results.at("runs")) {
     const RunName name = name_of(run);
-    if (!runs.emplace(name, run).second) {
+    if (!runs.emplace(name, NamedRun{run, uncertainty_of(results, at_pointer(run, "/truth")),
+                                     uncertainty_of(results, at_pointer(run, "/own_target/truth"))})
+             .second) {
       throw_input_error({(folder / "results.json").string()}, "two runs have the name {}",
                         fmt::join(name, " / "));
     }
@@ -75,10 +128,50 @@ std::map<RunName, json> runs_by_name(const json& results, const fs::path& folder
   return runs;
 }
 
-json metric_change(const json& old_value, const json& new_value) {
-  json object = {{"old", old_value}, {"new", new_value}, {"change", nullptr}};
+// How far a metric in units of irradiance may move when nothing but the truth does: where the truth moves by
+// at most u at every pixel, so does every error, and with it bias, MAE, RMSE, each quantile of |e| and the
+// maximum.
+json sum_of(const json& before, const json& after) {
+  if (!before.is_number() || !after.is_number()) return {};
+  return before.get<double>() + after.get<double>();
+}
+
+json truth_noise(const NamedRun& before, const NamedRun& after) {
+  return sum_of(before.uncertainty, after.uncertainty);
+}
+
+// The same of rmse / rms, to first order: u / rms, and rel_rmse times the change of the RMS, u / rms.
+json relative_noise(const NamedRun& before, const NamedRun& after) {
+  const json noise = truth_noise(before, after);
+  const json rmse = at_pointer(before.run, "/metrics/rmse");
+  const json relative = at_pointer(before.run, "/metrics/rel_rmse");
+  if (!noise.is_number() || !rmse.is_number() || !relative.is_number()) return {};
+  if (!(rmse.get<double>() > 0.0) || !(relative.get<double>() > 0.0)) return {};
+  const double rms = rmse.get<double>() / relative.get<double>();
+  return noise.get<double>() * (1.0 + relative.get<double>()) / rms;
+}
+
+json range_of(const json& run) {
+  const json least = at_pointer(run, "/cost/frame_ms/min");
+  const json most = at_pointer(run, "/cost/frame_ms/max");
+  if (!least.is_number() || !most.is_number()) return {};
+  return {least, most};
+}
+
+json noise_of(Noise kind, const NamedRun& before, const NamedRun& after) {
+  if (kind == Noise::truth) return truth_noise(before, after);
+  if (kind == Noise::relative) return relative_noise(before, after);
+  if (kind == Noise::own_truth) return sum_of(before.own_uncertainty, after.own_uncertainty);
+  return {};
+}
+
+json metric_change(const MetricField& field, const NamedRun& old_run, const NamedRun& new_run) {
+  const json old_value = at_pointer(old_run.run, field.pointer);
+  const json new_value = at_pointer(new_run.run, field.pointer);
+  json object = {{"old", old_value}, {"new", new_value}, {"change", nullptr}, {"changed", nullptr}};
   if (!old_value.is_number() || !new_value.is_number()) {
     object["change_reason"] = "a value is missing";
+    object["changed"] = old_value.is_number() != new_value.is_number();
     return object;
   }
   const double before = old_value.get<double>();
@@ -88,14 +181,29 @@ json metric_change(const json& old_value, const json& new_value) {
   } else {
     object["change"] = before == after ? 0.0 : (after - before) / std::abs(before);
   }
+  const json noise = noise_of(field.noise, old_run, new_run);
+  if (noise.is_number()) object["noise"] = noise;
+  object["changed"] = std::abs(after - before) > (noise.is_number() ? noise.get<double>() : 0.0);
+  if (field.noise != Noise::time) return object;
+  object["old_range"] = range_of(old_run.run);
+  object["new_range"] = range_of(new_run.run);
+  if (object["old_range"].is_null() || object["new_range"].is_null()) {
+    object["changed"] = nullptr;
+    object["changed_reason"] = "a range of repeats is missing";
+  } else {
+    object["changed"] =
+        object["old_range"][1] < object["new_range"][0] || object["new_range"][1] < object["old_range"][0];
+  }
   return object;
 }
 
-json run_change(const RunName& name, const json& old_run, const json& new_run) {
+json run_change(const RunName& name, const NamedRun& old_run, const NamedRun& new_run) {
   json object = name_json(name);
-  for (const Field& metric : kMetrics) {
-    object["metrics"][metric.name] =
-        metric_change(at_pointer(old_run, metric.pointer), at_pointer(new_run, metric.pointer));
+  object["changed"] = json::array();
+  for (const MetricField& field : kMetrics) {
+    json change = metric_change(field, old_run, new_run);
+    if (change.at("changed") == true) object["changed"].push_back(field.name);
+    object["metrics"][field.name] = std::move(change);
   }
   return object;
 }
@@ -142,7 +250,8 @@ void put_experiment(json& changes, const fs::path& old_folder, const fs::path& n
   changes["experiment"] = experiment_changes(old_folder / kName, new_folder / kName);
 }
 
-void put_runs(json& changes, const std::map<RunName, json>& before, const std::map<RunName, json>& after) {
+void put_runs(json& changes, const std::map<RunName, NamedRun>& before,
+              const std::map<RunName, NamedRun>& after) {
   for (const char* key : {"runs", "only_old", "only_new"}) changes[key] = json::array();
   for (const auto& [name, run] : before) {
     const auto same = after.find(name);
@@ -163,8 +272,31 @@ std::string number_text(const json& value) {
 
 std::string change_text(const json& metric) {
   const json& change = metric.at("change");
-  if (!change.is_number()) return "";
-  return change == 0.0 ? "=" : fmt::format("{:+.2f} %", 100.0 * change.get<double>());
+  std::string text = change.is_number() ? fmt::format("{:+.2f} %", 100.0 * change.get<double>()) : "";
+  if (metric.at("changed") == true) return text + (text.empty() ? "*" : " *");
+  if (metric.contains("noise"))
+    return text + fmt::format(" (noise {:.2g})", metric.at("noise").get<double>());
+  if (metric.contains("old_range") && !metric.at("old_range").is_null() &&
+      !metric.at("new_range").is_null()) {
+    return text + fmt::format(" (within [{:.4g}, {:.4g}] and [{:.4g}, {:.4g}])",
+                              metric["old_range"][0].get<double>(), metric["old_range"][1].get<double>(),
+                              metric["new_range"][0].get<double>(), metric["new_range"][1].get<double>());
+  }
+  return text;
+}
+
+// What differs of a run, a line each.
+std::string metrics_text(const json& metrics) {
+  std::string text;
+  for (const MetricField& field : kMetrics) {
+    const json& metric = metrics.at(field.name);
+    if (metric.at("old") == metric.at("new")) continue;
+    std::string line = fmt::format("  {:<17} {:>12} -> {:<12} {}", field.name, number_text(metric.at("old")),
+                                   number_text(metric.at("new")), change_text(metric));
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text.empty() ? "  the same\n" : text;
 }
 
 std::string plain_text(const json& value) {
@@ -215,17 +347,9 @@ std::string changes_text(const json& changes) {
   text += changes.at("experiment").is_null()
               ? fmt::format("experiment: not compared, {}\n", plain_text(changes.at("experiment_reason")))
               : differences_text("experiment", changes.at("experiment"));
-  for (const json& run : changes.at("runs")) {
-    text += fmt::format("{}\n", name_text(run));
-    for (const Field& field : kMetrics) {
-      const json& metric = run.at("metrics").at(field.name);
-      std::string line =
-          fmt::format("  {:<17} {:>12} -> {:<12} {}", field.name, number_text(metric.at("old")),
-                      number_text(metric.at("new")), change_text(metric));
-      line.erase(line.find_last_not_of(' ') + 1);
-      text += line + "\n";
-    }
-  }
+  if (!changes.at("runs").empty()) text += kRules;
+  for (const json& run : changes.at("runs"))
+    text += fmt::format("{}\n{}", name_text(run), metrics_text(run.at("metrics")));
   for (const auto& [key, where] : {std::pair("only_old", "old"), std::pair("only_new", "new")}) {
     for (const json& run : changes.at(key))
       text += fmt::format("only in the {}: {}\n", where, name_text(run));

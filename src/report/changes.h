@@ -13,8 +13,13 @@ namespace truescatter {
 //   experiment          {"truth.tolerance": {"old", "new"}, ...}: what differs of the resolved experiments,
 //   as
 //                       TOML text, null where one has no such key; null with a reason if a folder holds none
-//   runs                [{scene, view, profile, label, metrics: {"rmse": {"old", "new", "change"}, ...}}]:
-//                       those in both; change = (new - old) / |old|, null with a reason where there is none
+//   runs                [{scene, view, profile, label, changed: [names], metrics: {"rmse": {"old", "new",
+//                       "change", "changed", "noise"}, ...}}]: those in both; change = (new - old) / |old|,
+//                       null with a reason where there is none; changed: whether it is more than noise. For
+//                       bias, MAE, RMSE, quantiles and maximum noise is the sum u of both truths'
+//                       uncertainties, in units of irradiance; for rel_rmse u (1 + rel_rmse) / RMS of the
+//                       truth; frame_ms has changed where the ranges of the repeats (old_range, new_range:
+//                       [min, max]) do not overlap; all else has where it differs
 //   only_old, only_new  [{scene, view, profile, label}]
 // A run is known by the last part of its scene's path, view, profile and label: so results from a moved
 // checkout match. Throws Error (input) that names the file: see read_results, and for two runs of one name.

@@ -28,7 +28,8 @@ TEST_F(CliCompare, IdenticalPicturesHaveNoError) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json stats = nlohmann::json::parse(result.out);
   EXPECT_EQ(stats.at("pixels"), 128);
-  for (const char* key : {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max", "flip", "flip_hdr"}) {
+  for (const char* key :
+       {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max", "flip", "flip_hdr"}) {
     EXPECT_EQ(stats.at(key), 0.0) << key;
   }
   for (const char* channel : {"r", "g", "b"}) EXPECT_EQ(stats.at("channels").at(channel).at("max"), 0.0);
@@ -63,7 +64,8 @@ TEST_F(CliCompare, APngIsDecodedToLinearLight) {
 TEST_F(CliCompare, PrintsATable) {
   const ProgramResult result = truescatter({"compare", "truth.exr", "truth.exr"});
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* piece : {"rel_rmse", "luminance", "128 pixels", "FLIP 0", "HDR-FLIP 0"}) {
+  for (const char* piece :
+       {"rel_rmse", "luminance", "sqrt((1/n) sum truth^2)", "128 pixels", "FLIP 0", "HDR-FLIP 0"}) {
     EXPECT_TRUE(contains(result.out, piece)) << piece << "\n" << result.out;
   }
 }
@@ -200,26 +202,61 @@ provenance:
 experiment:
   method.both.settings.taps: 13 -> 7
   truth.tolerance: (none) -> 0.0001
+changed (*): bias, mae, rmse (own_rmse too), quantiles and max by more than the uncertainties of both truths together, which is what a change of truth alone can do; rel_rmse by more than that times (1 + rel_rmse) / RMS of the truth; frame_ms where the ranges [min, max] of the repeats do not overlap; all else where it differs
 builtin:plane / front / skin / both
-  rmse                       0.4 -> 0.3          -25.00 %
-  rel_rmse                   0.5 -> 0.5          =
-  bias                         0 -> 0            =
-  max                          2 -> 2            =
-  flip                         - -> -
-  flip_hdr                     - -> -
-  halo_peak                    - -> -
+  rmse                       0.4 -> 0.3          -25.00 % *
   frame_ms                     4 -> 5            +25.00 %
-  fetches_per_pixel           61 -> 61           =
 only in the old: builtin:plane / front / skin / gone
 only in the new: builtin:plane / front / skin / come
 )");
+}
+
+// Uncertainties 0.005 and 0.01 of the largest irradiance, 2: together 0.03 of irradiance. The bias moves by
+// 0.02, which the truth alone could do, the RMSE by 0.1. With rms = rmse / rel_rmse = 0.8, rel_rmse of 0.5
+// may move by 0.03 * 1.5 / 0.8 = 0.05625. Ranges [3, 5] and [4, 6] overlap, [3, 4.5] and [4.6, 6] do not. A
+// count has no noise.
+TEST_F(CliCompareResults, TellsChangesFromNoise) {
+  const auto folder = [&](const std::string& name, double uncertainty, const nlohmann::json& run) {
+    nlohmann::json results = nlohmann::json::parse(this->results("c1", nlohmann::json::array({run})));
+    results["scene"] = {{"largest_irradiance", 2.0}};
+    results["truths"] = {{{"id", "front.skin"}, {"uncertainty", uncertainty}}};
+    folder_.write(name + "/results.json", results.dump());
+  };
+  nlohmann::json before = entry("both", 0.4, 0.1);
+  before["truth"] = "front.skin";
+  before["cost"]["frame_ms"] = {{"median", 4.0}, {"min", 3.0}, {"max", 5.0}};
+  nlohmann::json after = before;
+  after["metrics"]["rmse"] = 0.3;
+  after["metrics"]["rel_rmse"] = 0.55;
+  after["metrics"]["bias"] = 0.12;
+  after["cost"]["fetches_per_pixel"] = 61.5;
+  after["cost"]["frame_ms"] = {{"median", 5.0}, {"min", 4.0}, {"max", 6.0}};
+  folder("a", 0.005, before);
+  folder("b", 0.01, after);
+  nlohmann::json run = compared().at("runs").at(0);
+  EXPECT_EQ(run.at("changed"), nlohmann::json({"rmse", "fetches_per_pixel"}));
+  EXPECT_NEAR(run.at("metrics").at("bias").at("noise").get<double>(), 0.03, 1e-15);
+  EXPECT_NEAR(run.at("metrics").at("rel_rmse").at("noise").get<double>(), 0.05625, 1e-15);
+  EXPECT_EQ(run.at("metrics").at("frame_ms").at("changed"), false);
+  const std::string text = truescatter({"compare", "a", "b"}).out;
+  for (const char* line : {"+20.00 % (noise 0.03)\n", "-25.00 % *\n", "+10.00 % (noise 0.056)\n",
+                           "+25.00 % (within [3, 5] and [4, 6])\n", "+0.82 % *\n"})
+    EXPECT_TRUE(contains(text, line)) << line << "\nin\n" << text;
+  before["cost"]["frame_ms"]["max"] = 4.5;
+  after["cost"]["frame_ms"]["min"] = 4.6;
+  after["metrics"]["rel_rmse"] = 0.56;
+  folder("a", 0.005, before);
+  folder("b", 0.01, after);
+  run = compared().at("runs").at(0);
+  EXPECT_EQ(run.at("changed"), nlohmann::json({"rmse", "rel_rmse", "frame_ms", "fetches_per_pixel"}));
 }
 
 TEST_F(CliCompareResults, AFolderAgainstItselfIsTheSame) {
   const ProgramResult result = truescatter({"compare", "a", "a"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.out, "provenance: the same\nexperiment: the same\n")) << result.out;
-  EXPECT_FALSE(contains(result.out, "%")) << result.out;
+  EXPECT_TRUE(contains(result.out, "/ both\n  the same\n")) << result.out;
+  EXPECT_FALSE(contains(result.out, " %")) << result.out;
   EXPECT_FALSE(contains(result.out, "only in")) << result.out;
 }
 
