@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace truescatter {
@@ -37,6 +38,52 @@ TEST(ErrorStats, OfFourPixelsByHand) {
   EXPECT_EQ(stats.p95, 1.0);
   EXPECT_EQ(stats.p99, 1.0);
   EXPECT_EQ(stats.max, 1.0);
+}
+
+// A ramp 1 ... 8 (in 1/8) a quarter too bright: e = truth/4, so every quantile is a quarter of the truth's,
+// of ranks 4 and 8, bias and MAE of its mean 36/64, and the relative RMSE is 1/4 whatever the truth.
+TEST(ErrorStats, OfAScaledPictureByHand) {
+  std::vector<Vec3d> truth;
+  std::vector<Vec3d> test;
+  for (int i = 1; i <= 8; ++i) {
+    truth.push_back(Vec3d::Constant(i / 8.0));
+    test.push_back(1.25 * truth.back());
+  }
+  const ErrorStats stats = error_stats(row(test), row(truth), all_inside(row(truth)), Quantity::green);
+  EXPECT_EQ(stats.bias, 9.0 / 64.0);
+  EXPECT_EQ(stats.mae, 9.0 / 64.0);
+  EXPECT_DOUBLE_EQ(stats.rmse, 0.25 * std::sqrt(204.0 / 64.0 / 8.0));  // 1 + 4 + ... + 64 = 204
+  EXPECT_DOUBLE_EQ(stats.rel_rmse, 0.25);
+  EXPECT_EQ(stats.p50, 1.0 / 8.0);
+  EXPECT_EQ(stats.p95, 1.0 / 4.0);
+  EXPECT_EQ(stats.p99, 1.0 / 4.0);
+  EXPECT_EQ(stats.max, 1.0 / 4.0);
+}
+
+// The same ramp shifted by a pixel, the last value repeated: seven pixels too bright by 1/8 and one right.
+TEST(ErrorStats, OfAShiftedPictureByHand) {
+  std::vector<Vec3d> truth;
+  std::vector<Vec3d> test;
+  for (int i = 1; i <= 8; ++i) {
+    truth.push_back(Vec3d::Constant(i / 8.0));
+    test.push_back(Vec3d::Constant(std::min(i + 1, 8) / 8.0));
+  }
+  const ErrorStats stats = error_stats(row(test), row(truth), all_inside(row(truth)), Quantity::green);
+  EXPECT_EQ(stats.bias, 7.0 / 64.0);
+  EXPECT_EQ(stats.mae, 7.0 / 64.0);
+  EXPECT_DOUBLE_EQ(stats.rmse, std::sqrt(7.0 / 8.0) / 8.0);
+  EXPECT_DOUBLE_EQ(stats.rel_rmse, std::sqrt(7.0 / 204.0));
+  for (const double v : {stats.p50, stats.p95, stats.p99, stats.max}) EXPECT_EQ(v, 1.0 / 8.0);
+}
+
+// A constant too dark by 1/4 where the truth is 1/2: every magnitude is 1/4, and half of the truth.
+TEST(ErrorStats, OfAConstantOffsetByHand) {
+  const Image truth(3, 2, 3, 0.5F);
+  const ErrorStats stats = error_stats(Image(3, 2, 3, 0.25F), truth, all_inside(truth), Quantity::blue);
+  EXPECT_EQ(stats.bias, -0.25);
+  for (const double v : {stats.mae, stats.rmse, stats.p50, stats.p95, stats.p99, stats.max})
+    EXPECT_EQ(v, 0.25);
+  EXPECT_EQ(stats.rel_rmse, 0.5);
 }
 
 // |e| = 1/128 ... 100/128 in shuffled order and with alternating signs: rank q n of 100 is q n exactly.

@@ -96,6 +96,43 @@ TEST(Halo, HasNoWidthWithoutAnError) {
   EXPECT_TRUE(std::isnan(halo.contrast));  // 0 / 0
 }
 
+// A disc of skin of 15 mm, 0.1 mm a pixel, before nothing; too bright by 1/5 within 4 mm of its edge, by
+// 1/256 beyond 6 s = 9 mm. Its height is that of every bin but the one that the step cuts. Its width is the
+// end of the bin of 3/16 mm that holds the farthest pixel in error, whose delta is up to a pixel's diagonal,
+// 0.14 mm, less than its distance from the edge: 4 - 0.14 to 4 + 0.19 mm, 4.7 %. Energy weighs rings t from
+// the edge by (R - t) dt: (15 * 4 - 4^2 / 2) / (15 * 4.5 - 4.5^2 / 2) / 5 within 3 s, of which half a pixel
+// is 1 %.
+TEST(Halo, OfASyntheticStepComesBack) {
+  constexpr int kPixels = 320;
+  constexpr double kRadius_mm = 15.0;
+  constexpr double kFocal_px = 5000.0;
+  constexpr float kDepth_mm = 500.0F;
+  Image mask(kPixels, kPixels, 1);
+  Image position(kPixels, kPixels, 3);
+  Image normal(kPixels, kPixels, 3);
+  Image truth(kPixels, kPixels, 3);
+  Image test(kPixels, kPixels, 3);
+  for (int y = 0; y < kPixels; ++y) {
+    for (int x = 0; x < kPixels; ++x) {
+      const double edge_mm = kRadius_mm - 0.1 * std::hypot(x + 0.5 - kPixels / 2.0, y + 0.5 - kPixels / 2.0);
+      if (edge_mm < 0.0) continue;
+      mask.at(x, y, 0) = 1.0F;
+      position.at(x, y, 2) = -kDepth_mm;
+      normal.set_rgb(x, y, Vec3d::UnitZ());
+      truth.set_rgb(x, y, Vec3d::Constant(1.0));
+      const double error = edge_mm < 4.0 ? 0.2 : edge_mm > 9.0 ? 1.0 / 256.0 : 0.0;
+      test.set_rgb(x, y, Vec3d::Constant(1.0 + error));
+    }
+  }
+  const ContourMap contours = find_contours({mask, position, normal, kFocal_px});
+  const Halo halo = measure_halo(test, truth, mask, contours, 1.5, 0.1, Quantity::luminance, HaloSide::outer);
+  const double share = (15.0 * 4.0 - 8.0) / (15.0 * 4.5 - 0.5 * 4.5 * 4.5);
+  EXPECT_NEAR(halo.peak, 0.2, 0.05 * 0.2);
+  EXPECT_NEAR(halo.width_mm, 4.0, 0.05 * 4.0);
+  EXPECT_NEAR(halo.energy, 0.2 * share, 0.05 * 0.2 * share);
+  EXPECT_NEAR(halo.contrast, 0.2 * std::sqrt(share) * 256.0, 0.05 * 0.2 * std::sqrt(share) * 256.0);
+}
+
 // 1/128 = 0.8 % and 1/64 = 1.6 % lie on either side of the 1 % rule.
 TEST(Halo, WidthEndsWhereEveryBinIsWithinOnePercent) {
   EXPECT_EQ(one_pixel_per_bin([](int) { return 1.0 / 128.0; }).halo().width_mm, 0.0);
