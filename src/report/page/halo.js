@@ -19,12 +19,14 @@ function haloOf(run, side, channel) {
       {};
 }
 
+// By bin; null where it has no light, undefined where it has no pixel.
 function haloPoints(run, side, channel) {
-  const profile = haloOf(run, side, channel).profile || {};
+  const profile = haloOf(run, side, channel).profile || {}, pixels = list(profile.pixels);
   return list(profile.relative_error)
       .map(
           (error, i) =>
               (isNumber(error) && isNumber(profile.bin_mm) ? {x: (i + 0.5) * profile.bin_mm, y: 100 * error} :
+                   pixels[i] === 0                         ? undefined :
                                                              null));
 }
 
@@ -163,7 +165,7 @@ function haloChart(c, side, channel, yRange) {
           ({run, points}) =>
               s("path", {
                 class: "line",
-                d: linePath(points, x, y),
+                d: linePath(points.filter((point) => point !== undefined), x, y),
                 stroke: styleOf(run.label).colour,
                 "stroke-dasharray": styleOf(run.label).dash
               },
