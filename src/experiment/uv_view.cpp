@@ -113,8 +113,9 @@ std::vector<SeamEdge> uv_seams(const Mesh& mesh) {
       const int b = mesh.triangles[t][(c + 1) % 3];
       const auto [found, is_new] = first_triangle.emplace(edge_key(a, b), t);
       if (is_new) continue;
+      const std::size_t other = found->second;
       const auto differs = [&](int vertex) {
-        return (uv_at(mesh, t, vertex) - uv_at(mesh, found->second, vertex)).cwiseAbs().maxCoeff() > kSameUv;
+        return (uv_at(mesh, t, vertex) - uv_at(mesh, other, vertex)).cwiseAbs().maxCoeff() > kSameUv;
       };
       if (differs(a) || differs(b)) {
         seams.push_back(

@@ -86,13 +86,14 @@ Plane convolve_rows(const Plane& in, const Size& size, const std::vector<double>
 Plane convolve_columns(const Plane& in, const Size& size, const std::vector<double>& kernel) {
   Plane out(in.size(), 0.0);
   const auto width = static_cast<std::size_t>(size.width);
-  const int radius = static_cast<int>(kernel.size() / 2);
+  const auto last = static_cast<std::size_t>(size.height) - 1;
+  const std::size_t radius = kernel.size() / 2;
   parallel_for(static_cast<std::size_t>(size.height), [&](std::size_t y) {
     double* const to = &out[y * width];
-    for (int k = -radius; k <= radius; ++k) {
-      const double weight = kernel[static_cast<std::size_t>(k + radius)];
-      const int row = std::clamp(static_cast<int>(y) + k, 0, size.height - 1);
-      const double* const from = &in[static_cast<std::size_t>(row) * width];
+    for (std::size_t k = 0; k < kernel.size(); ++k) {
+      const double weight = kernel[k];
+      const std::size_t row = std::min(y + k > radius ? y + k - radius : 0, last);
+      const double* const from = &in[row * width];
       for (std::size_t x = 0; x < width; ++x) to[x] += weight * from[x];
     }
   });

@@ -79,7 +79,9 @@ function ladderSection() {
       "ladders", "Assumptions, one at a time",
       [
         "Every rung differs from the one above it by one assumption. Signed differences add up from rung to " +
-            "rung, as maps and as bias; RMSE and halo energy do not, and are shown for all so far. ",
+            "rung, as maps and as bias; RMSE and halo energy do not, and are shown for all so far. " +
+            "Of e = this rung \u2212 the one above, or the first, over n skin pixels: bias (1/n) sum e; RMSE " +
+            "sqrt((1/n) sum e\u00b2); halo energy: sum |e| within 3s of a silhouette / sum there of the first rung. ",
         `Maps end at \u00b1${(results.maps || {}).ladder_range}, the same for every step.`
       ],
       h("div", {class: "controls"}, channel.element), tables);

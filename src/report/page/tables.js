@@ -374,6 +374,9 @@ function definitions() {
   const entries = COLUMNS.map((column) => [columnName(column), column.help.replace(/^[a-z_0-9.]+: /, "")]);
   return h(
       "div", {class: "definitions"}, h("h3", {}, "How to read the columns"),
+      h("p", {class: "muted"},
+        "e = test \u2212 truth at each of the n skin pixels that are measured; luminance is 0.2126 R + 0.7152 G + " +
+            "0.0722 B of linear light; quantiles are by nearest rank."),
       h("dl", {}, entries.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text)))));
 }
 

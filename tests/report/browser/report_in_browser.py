@@ -200,7 +200,7 @@ class ReportInBrowser(unittest.TestCase):
         self.assertEqual(sum(bars), len(errors))
 
     def test_tables_sort_by_a_click_on_their_heads(self):
-        order = "[...document.querySelectorAll('table.metrics tbody th')].map((th) => th.textContent.trim())"
+        order = "[...document.querySelectorAll('.case-table table.metrics tbody th')].map((th) => th.textContent.trim())"
         button = "document.querySelector('th[data-sort=\"Error.max\"] button').click()"
         by_max = [run["label"] for run in sorted(self.results["runs"], key=lambda run: run["metrics"]["max"])]
         self.page.evaluate(button)
@@ -209,6 +209,17 @@ class ReportInBrowser(unittest.TestCase):
         self.assertEqual(self.page.evaluate(order), by_max[::-1])
         self.assertEqual(self.page.evaluate(
             "document.querySelector('th[data-sort=\"Error.max\"]').getAttribute('aria-sort')"), "descending")
+
+    def test_stretch_has_the_errors_of_the_results(self):
+        rows = self.page.evaluate("[...document.querySelectorAll('table.stretch tbody tr')].map((row) => "
+                                  "[...row.querySelectorAll('th, td')].map((cell) => cell.textContent.trim()))")
+        self.assertEqual([row[0] for row in rows], [run["label"] for run in self.results["runs"]])
+        for row, run in zip(rows, self.results["runs"]):
+            bins = [b for b in run["metrics"]["seam"]["stretch"] if b["pixels"] > 0]
+            self.assertEqual(len(row), 1 + len(bins))
+            for text, b in zip(row[1:], bins):
+                # Three digits are shown.
+                self.assertAlmostEqual(number_of(text.rstrip("%")), 100 * b["rel_rmse"], delta=0.5e-2 * 100 * b["rel_rmse"])
 
     def test_charts_tell_their_values_on_hover(self):
         x, y, width, height = self.page.box(".halo-row .strip")
