@@ -151,7 +151,10 @@ json relative_noise(const NamedRun& before, const NamedRun& after) {
   return noise.get<double>() * (1.0 + relative.get<double>()) / rms;
 }
 
+// Of the repeats of a frame; null where there are fewer than two, for one says nothing of its noise.
 json range_of(const json& run) {
+  const json repeats = at_pointer(run, "/cost/frame_ms/repeats");
+  if (!repeats.is_number() || repeats.get<double>() < 2.0) return {};
   const json least = at_pointer(run, "/cost/frame_ms/min");
   const json most = at_pointer(run, "/cost/frame_ms/max");
   if (!least.is_number() || !most.is_number()) return {};
@@ -189,7 +192,7 @@ json metric_change(const MetricField& field, const NamedRun& old_run, const Name
   object["new_range"] = range_of(new_run.run);
   if (object["old_range"].is_null() || object["new_range"].is_null()) {
     object["changed"] = nullptr;
-    object["changed_reason"] = "a range of repeats is missing";
+    object["changed_reason"] = "fewer than two repeats on a side say nothing of noise";
   } else {
     object["changed"] =
         object["old_range"][1] < object["new_range"][0] || object["new_range"][1] < object["old_range"][0];
@@ -274,10 +277,11 @@ std::string change_text(const json& metric) {
   const json& change = metric.at("change");
   std::string text = change.is_number() ? fmt::format("{:+.2f} %", 100.0 * change.get<double>()) : "";
   if (metric.at("changed") == true) return text + (text.empty() ? "*" : " *");
+  if (metric.contains("changed_reason"))
+    return text + fmt::format(" ({})", metric.at("changed_reason").get<std::string>());
   if (metric.contains("noise"))
     return text + fmt::format(" (noise {:.2g})", metric.at("noise").get<double>());
-  if (metric.contains("old_range") && !metric.at("old_range").is_null() &&
-      !metric.at("new_range").is_null()) {
+  if (metric.contains("old_range")) {
     return text + fmt::format(" (within [{:.4g}, {:.4g}] and [{:.4g}, {:.4g}])",
                               metric["old_range"][0].get<double>(), metric["old_range"][1].get<double>(),
                               metric["new_range"][0].get<double>(), metric["new_range"][1].get<double>());

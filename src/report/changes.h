@@ -19,7 +19,7 @@ namespace truescatter {
 //                       bias, MAE, RMSE, quantiles and maximum noise is the sum u of both truths'
 //                       uncertainties, in units of irradiance; for rel_rmse u (1 + rel_rmse) / RMS of the
 //                       truth; frame_ms has changed where the ranges of the repeats (old_range, new_range:
-//                       [min, max]) do not overlap; all else has where it differs
+//                       [min, max]) do not overlap, null for fewer than two; all else has where it differs
 //   only_old, only_new  [{scene, view, profile, label}]
 // A run is known by the last part of its scene's path, view, profile and label: so results from a moved
 // checkout match. Throws Error (input) that names the file: see read_results, and for two runs of one name.

@@ -205,7 +205,7 @@ experiment:
 changed (*): bias, mae, rmse (own_rmse too), quantiles and max by more than the uncertainties of both truths together, which is what a change of truth alone can do; rel_rmse by more than that times (1 + rel_rmse) / RMS of the truth; frame_ms where the ranges [min, max] of the repeats do not overlap; all else where it differs
 builtin:plane / front / skin / both
   rmse                       0.4 -> 0.3          -25.00 % *
-  frame_ms                     4 -> 5            +25.00 %
+  frame_ms                     4 -> 5            +25.00 % (fewer than two repeats on a side say nothing of noise)
 only in the old: builtin:plane / front / skin / gone
 only in the new: builtin:plane / front / skin / come
 )");
@@ -224,13 +224,13 @@ TEST_F(CliCompareResults, TellsChangesFromNoise) {
   };
   nlohmann::json before = entry("both", 0.4, 0.1);
   before["truth"] = "front.skin";
-  before["cost"]["frame_ms"] = {{"median", 4.0}, {"min", 3.0}, {"max", 5.0}};
+  before["cost"]["frame_ms"] = {{"median", 4.0}, {"min", 3.0}, {"max", 5.0}, {"repeats", 3}};
   nlohmann::json after = before;
   after["metrics"]["rmse"] = 0.3;
   after["metrics"]["rel_rmse"] = 0.55;
   after["metrics"]["bias"] = 0.12;
   after["cost"]["fetches_per_pixel"] = 61.5;
-  after["cost"]["frame_ms"] = {{"median", 5.0}, {"min", 4.0}, {"max", 6.0}};
+  after["cost"]["frame_ms"] = {{"median", 5.0}, {"min", 4.0}, {"max", 6.0}, {"repeats", 3}};
   folder("a", 0.005, before);
   folder("b", 0.01, after);
   nlohmann::json run = compared().at("runs").at(0);
@@ -249,6 +249,9 @@ TEST_F(CliCompareResults, TellsChangesFromNoise) {
   folder("b", 0.01, after);
   run = compared().at("runs").at(0);
   EXPECT_EQ(run.at("changed"), nlohmann::json({"rmse", "rel_rmse", "frame_ms", "fetches_per_pixel"}));
+  after["cost"]["frame_ms"]["repeats"] = 1;
+  folder("b", 0.01, after);
+  EXPECT_TRUE(compared().at("runs").at(0).at("metrics").at("frame_ms").at("changed").is_null());
 }
 
 TEST_F(CliCompareResults, AFolderAgainstItselfIsTheSame) {
