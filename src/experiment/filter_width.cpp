@@ -26,7 +26,10 @@ constexpr double kCells =
 constexpr double kDistanceStdDevs = 2000.0;
 constexpr double kPixelsPerStdDev = 8.0;
 constexpr double kPixelsPerStdDevForTaps = 96.0;
-constexpr double kReadsOfTaps = 80.0;  // a pixel
+constexpr double kOtherPixelsPerStdDev =
+    9.7;                                    // shares no ratio with kPixelsPerStdDev that taps could fall into
+constexpr double kAgreement = 2e-3;         // of dense sums at both
+constexpr double kMostReadsOfTaps = 300.0;  // a pixel
 
 Eigen::AngleAxisd turned_by(double slope_deg) { return {slope_deg * kPi / 180.0, Vec3d::UnitY()}; }
 
@@ -90,34 +93,35 @@ double FilterWidthProbe::share(const Method& method, const Settings& settings, d
         triangle.irradiance[c] = Vec3d::Constant(irradiance(u));
       }
     }
+    return SurfaceBuffers(context_, shading);
   };
+  const SurfaceBuffers evenly_lit = lit([](double) { return 1.0; });
+  const SurfaceBuffers lit_by_square = lit([](double u) { return u * u; });
   const double half_std_devs = std::max(4.5, gaussian_.r_max_mm / std_dev_mm_);
-  const auto middle = [&](double pixels_per_std_dev) {
-    const SurfaceBuffers buffers(context_, shading);
+  const auto middle = [&](const SurfaceBuffers& buffers, double pixels_per_std_dev) {
     const Frame frame = render_frame(context_, buffers, shading,
                                      parallel_camera(std_dev_mm_, pixels_per_std_dev, half_std_devs));
     const PreparedMethod prepared =
         method.prepare({context_, frame, buffers, kDistanceStdDevs * std_dev_mm_, gaussian_, settings});
     Passes passes(context_);
-    prepared.render(passes);
-    // What is filtered in texture space does not know of pixels.
     const double reads = method.needs_uvs ? 0.0 : passes.count([&] { prepared.render(passes); }).texels_read;
+    prepared.render(passes);
     const Image exitance = gpu::read_texture(context_, *prepared.output, 3);
     const int half_px = exitance.width() / 2;
     const double pixels = static_cast<double>(exitance.width()) * exitance.height();
-    return MiddlePixel{exitance.at(half_px, half_px, 0), method.needs_uvs ? kReadsOfTaps : reads / pixels};
+    return MiddlePixel{exitance.at(half_px, half_px, 0), reads / pixels};
   };
-  lit([](double) { return 1.0; });
-  MiddlePixel even = middle(kPixelsPerStdDev);
-  double pixels_per_std_dev = kPixelsPerStdDev;
-  if (even.reads_per_pixel < kReadsOfTaps) {
-    pixels_per_std_dev = kPixelsPerStdDevForTaps;
-    even = middle(pixels_per_std_dev);
-  }
-  lit([](double u) { return u * u; });
-  const double cell_std_devs = kPlaneStdDevs / kCells;
-  const double excess = cell_std_devs * cell_std_devs / 6.0;
-  return middle(pixels_per_std_dev).exitance / even.exitance - excess;
+  const auto share_at = [&](double pixels_per_std_dev) {
+    const MiddlePixel even = middle(evenly_lit, pixels_per_std_dev);
+    const double cell_std_devs = kPlaneStdDevs / kCells;
+    const double share = middle(lit_by_square, pixels_per_std_dev).exitance / even.exitance;
+    return std::pair(share - cell_std_devs * cell_std_devs / 6.0, even.reads_per_pixel);
+  };
+  const auto [coarse, reads] = share_at(kPixelsPerStdDev);
+  // What is filtered in texture space does not know of pixels.
+  if (method.needs_uvs || reads > kMostReadsOfTaps) return coarse;
+  if (std::abs(share_at(kOtherPixelsPerStdDev).first - coarse) <= kAgreement) return coarse;
+  return share_at(kPixelsPerStdDevForTaps).first;
 }
 
 FilterWidth FilterWidthProbe::measure(const Method& method, const Settings& settings) const {

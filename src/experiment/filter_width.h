@@ -23,7 +23,8 @@ inline constexpr double kSlopeDeg = 60.0;
 // Measures it for the widest Gaussian of `profile`, of its standard deviation s and its r_max, by drawing a
 // plane of 15 s with the method's own shaders under the irradiances 1 and u^2, from so far that the picture
 // is parallel (2000 s): the exitance in the middle under the second over that under the first. A pixel there
-// is 1/8 s wide, or 1/96 where a method reads less than 80 texels a pixel: taps are rounded to pixels.
+// is 1/8 s wide; where a method reads at most 300 texels a pixel and pixels of s / 9.7 give a share that
+// differs by more than 2e-3, so that it is the rounding of taps to pixels that is seen, s / 96.
 //
 // Error. Irradiance is linear between vertices h = s / 17.3 apart, so u^2 is too large by h^2 / 6 on average,
 // which is subtracted, and by h^2 / 4 at most: 6e-4 of v for a single tap. Taps in pixels of p = s / 96
