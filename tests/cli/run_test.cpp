@@ -801,6 +801,26 @@ TEST_F(CliRun, ASurfaceAloneHasNoLeakAndSaysWhy) {
   EXPECT_EQ(metrics.at("leak_reason"), "the view shows one surface alone");
 }
 
+// The textures by which light comes through a slab of 1 mm that is lit from behind: t cos(theta), corrected
+// for the light's angle, is its thickness, so that exp(-0.2 / mm * 1 mm) is stored. A texel of the shadow map
+// is 1/1024 of the light's picture of the slab, 70 mm at most, and reads a depth that is off by tan(theta) =
+// 1/2 of that at most: 0.035 mm, 0.2 times that of the value.
+TEST_F(CliRun, ExportsWhatLightComesThroughBy) {
+  const std::string slab =
+      with(with(with(with(kTiny, "builtin:plane", "builtin:slab"), "size_mm = 20.0", "thickness_mm = 1.0"),
+                "[0.0, 0.5, 1.0]", "[0.0, 0.5, -1.0]"),
+           "\"pscbf\"", "\"texture-space-transmit\"");
+  ASSERT_EQ(run(slab, {"--export-passes"}).exit_code, 0);
+  std::map<std::string, Json> named;
+  const Json results = json("out/results.json");
+  for (const Json& pass : results.at("runs").at(1).at("files").at("passes")) named[pass.at("name")] = pass;
+  EXPECT_EQ(named.at("shadow-map").at("channels"), "zuvt");
+  EXPECT_EQ(named.at("entry").at("channels"), "uvde");
+  const std::string file = named.at("thickness").at("exr");
+  const Image thickness = read_image(folder_.path() / "out" / file);
+  EXPECT_NEAR(thickness.at(24, 24, 0), std::exp(-0.2), 0.2 * 0.035);
+}
+
 TEST_F(CliRun, SwitchedOffGeodesicTruthsLeaveAReason) {
   const std::string experiment = with(with(kTiny, "\"pscbf\"", "\"texture-space\""), "[timing]",
                                       "[truth]\ngeodesic = \"off\"\n[timing]");

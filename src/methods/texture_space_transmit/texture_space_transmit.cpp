@@ -185,6 +185,10 @@ class TextureSpaceTransmit {
       program.set("mean_texels_per_mm", diffusion_.mean_texels_per_mm());
       program.set("texture_size", static_cast<double>(texture_size_));
     });
+    passes.show(shadow_map_.texture, "shadow-map", "zuvt",
+                "what the light meets first: distance in mm, u, v, and 1 where light gets in");
+    passes.show(entry_.texture, "entry", "uvde",
+                "where a pixel's light enters: u, v, distance in texture space in mm, and 1 where it does");
   }
 
   void read_thickness(Passes& passes, const SeenCharacter& character) const {
@@ -192,6 +196,8 @@ class TextureSpaceTransmit {
       program.set("surface_uv", frame_.uv, 2);
       program.set("level", diffusion_.current(), 3);
     });
+    passes.show(pixel_thickness_.texture, "thickness", "t",
+                "exp(-decay t), t being the way through the body");
   }
 
   void gather(Passes& passes, const SeenCharacter& character, std::size_t level) const {
