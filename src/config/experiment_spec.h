@@ -203,6 +203,18 @@ struct TimingSpec {
   int repeats = 3;
 };
 
+// Views derived from the experiment's own, over which the spread of each method's error is measured (see
+// experiment/stability.h). Each kind is left out where it has no views.
+struct StabilitySpec {
+  std::string view;                   // that they are derived from; empty: every view
+  double orbit_deg = 0.0;             // from the first of the orbit's views to the last
+  int orbit_views = 0;                // evenly about the view's target
+  std::vector<double> dolly_factors;  // of the distance from the target
+  int jitter_views = 0;               // shifted by less than half a pixel
+  int points = 2000;                  // surface points, of the skin pixels of the view; 0: all of them
+  std::uint64_t seed = 1;             // of their choice
+};
+
 // A bound on a headline metric; exceeding it ends the run with exit code 1.
 struct ThresholdSpec {
   std::string method;  // a method's label
@@ -242,6 +254,7 @@ struct ExperimentSpec {
   TimingSpec timing;
   std::vector<ThresholdSpec> thresholds;
   std::vector<LadderSpec> ladders;
+  std::optional<StabilitySpec> stability;
 };
 
 // Reads an experiment file and applies overrides "a.b=c" (an entry of an array is named by its `name` or its

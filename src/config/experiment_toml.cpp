@@ -497,6 +497,38 @@ LadderSpec read_ladder(TomlTable table, const std::vector<MethodSpec>& methods) 
   return ladder;
 }
 
+StabilitySpec read_stability(TomlTable table, const std::vector<ViewSpec>& views) {
+  StabilitySpec stability;
+  stability.view = table.text("view", "");
+  const auto is_named = [&](const ViewSpec& view) { return view.name == stability.view; };
+  if (table.has("view") && std::none_of(views.begin(), views.end(), is_named))
+    table.fail("view", fmt::format("'stability.view' is \"{}\", which is no view's name", stability.view));
+  if (table.has("orbit")) {
+    TomlTable orbit = table.table("orbit");
+    stability.orbit_deg = orbit.number("degrees", 1e-6, 360.0);
+    stability.orbit_views = orbit.whole("views", 5, 2, 1000);
+    orbit.finish();
+  }
+  if (table.has("dolly")) {
+    TomlTable dolly = table.table("dolly");
+    stability.dolly_factors = dolly.numbers("factors", 1e-3, 1e3);
+    if (stability.dolly_factors.size() < 2)
+      dolly.fail("factors", "'stability.dolly.factors' needs at least two");
+    dolly.finish();
+  }
+  if (table.has("jitter")) {
+    TomlTable jitter = table.table("jitter");
+    stability.jitter_views = jitter.whole("views", 8, 2, 1000);
+    jitter.finish();
+  }
+  if (!table.has("orbit") && !table.has("dolly") && !table.has("jitter"))
+    table.fail("orbit", "'stability' needs an 'orbit', a 'dolly' or a 'jitter'");
+  stability.points = table.whole("points", stability.points, 0, 100000000);
+  stability.seed = static_cast<std::uint64_t>(table.whole("seed", 1, 0, 2147483647));
+  table.finish();
+  return stability;
+}
+
 // The value that an override states. What is not TOML is a string: a bare word spares the quotes inside
 // quotes on a shell's command line.
 toml::value override_value(const std::string& text, const std::string& literal) {
@@ -600,6 +632,7 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   }
   for (const TomlTable& table : root.tables("ladder"))
     spec.ladders.push_back(read_ladder(table, spec.methods));
+  if (root.has("stability")) spec.stability = read_stability(root.table("stability"), spec.views);
 
   check_distinct(root.tables("view"), "views are named",
                  [&](std::size_t i) { return std::pair("name", spec.views[i].name); });
@@ -637,6 +670,10 @@ std::string line(const std::string& key, const std::vector<std::string>& texts) 
     quoted.push_back(stream.str());
   }
   return fmt::format("{} = [{}]\n", key, fmt::join(quoted, ", "));
+}
+
+std::string line(const std::string& key, const std::vector<double>& numbers) {
+  return fmt::format("{} = [{}]\n", key, fmt::join(numbers, ", "));
 }
 
 // A path that names the same file from wherever it is read.
@@ -779,6 +816,20 @@ std::string view_toml(const ViewSpec& view) {
          line("width_px", view.width_px) + line("height_px", view.height_px);
 }
 
+std::string stability_toml(const StabilitySpec& stability) {
+  std::string text = "\n[stability]\n";
+  if (!stability.view.empty()) text += line("view", stability.view);
+  text += line("points", stability.points) + line("seed", stability.seed);
+  if (stability.orbit_views > 0) {
+    text +=
+        "[stability.orbit]\n" + line("degrees", stability.orbit_deg) + line("views", stability.orbit_views);
+  }
+  if (!stability.dolly_factors.empty())
+    text += "[stability.dolly]\n" + line("factors", stability.dolly_factors);
+  if (stability.jitter_views > 0) text += "[stability.jitter]\n" + line("views", stability.jitter_views);
+  return text;
+}
+
 }  // namespace
 
 ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
@@ -818,6 +869,7 @@ std::string to_toml(const ExperimentSpec& spec) {
               line("assumption", rung.assumption);
     }
   }
+  if (spec.stability) text += stability_toml(*spec.stability);
   return text;
 }
 

@@ -152,6 +152,22 @@ double TomlTable::number(const std::string& key, double minimum, double maximum)
   return number;
 }
 
+std::vector<double> TomlTable::numbers(const std::string& key, double minimum, double maximum) {
+  const toml::value* value = find(key);
+  std::vector<double> result;
+  if (value == nullptr) return result;
+  if (!value->is_array()) fail_at(*value, fmt::format("'{}' must be an array of numbers", full_name(key)));
+  for (const toml::value& entry : value->as_array()) {
+    const double number = as_number(entry, full_name(key));
+    if (!(number >= minimum && number <= maximum)) {
+      fail_at(entry, fmt::format("'{}' has {}; its numbers must lie in [{}, {}]", full_name(key), number,
+                                 minimum, maximum));
+    }
+    result.push_back(number);
+  }
+  return result;
+}
+
 double TomlTable::number(const std::string& key, double fallback, double minimum, double maximum) {
   return find(key) == nullptr ? fallback : number(key, minimum, maximum);
 }

@@ -30,6 +30,7 @@ class TomlTable {
   std::vector<std::string> texts(const std::string& key);  // an array of strings; empty if missing
   std::string one_of(const std::string& key, const std::string& fallback,
                      const std::vector<std::string>& allowed);
+  std::vector<double> numbers(const std::string& key, double minimum, double maximum);  // empty if missing
   double number(const std::string& key, double fallback, double minimum, double maximum);
   double number(const std::string& key, double minimum, double maximum);
   int whole(const std::string& key, int fallback, int minimum, int maximum);

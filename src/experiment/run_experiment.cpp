@@ -84,7 +84,8 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                   {"fit_errors", json::array()},
                   {"light_paths", json::array()},
                   {"runs", json::array()},
-                  {"ladders", json::array()}};
+                  {"ladders", json::array()},
+                  {"stability", json::array()}};
   for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
     const Profile& profile = plan.profiles[i];
     results["profiles"].push_back(profile_json(profile));

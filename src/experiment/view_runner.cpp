@@ -20,6 +20,7 @@
 #include "experiment/profile_truth.h"
 #include "experiment/result_json.h"
 #include "experiment/uv_view.h"
+#include "experiment/stability.h"
 #include "experiment/view_truth.h"
 #include "gpu/timer.h"
 #include "metrics/contours.h"
@@ -667,7 +668,11 @@ class ViewRunner {
 }  // namespace
 
 ViewMaps run_view(const Setup& setup, const ViewSpec& view, json& results) {
-  return ViewRunner(setup, view, results).run();
+  ViewMaps maps = ViewRunner(setup, view, results).run();
+  const std::optional<StabilitySpec>& stability = setup.spec.stability;
+  if (stability && (stability->view.empty() || stability->view == view.name))
+    add_stability(setup, view, results);
+  return maps;
 }
 
 }  // namespace truescatter

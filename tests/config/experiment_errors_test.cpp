@@ -240,6 +240,18 @@ const Broken kBroken[] = {
      "\"classical-dipole\"\n"
      "material = \"skin1\"",
      ":17:13", "'profile.fit.tolerance' goes with gaussians"},
+    {"StabilityOfNothing", "[timing]", "[stability]\npoints = 5\n[timing]", ":19:1",
+     "'stability' needs an 'orbit', a 'dolly' or a 'jitter'"},
+    {"StabilityElsewhere", "[timing]", "[stability]\nview = \"back\"\njitter = {views = 2}\n[timing]",
+     ":20:8", "'stability.view' is \"back\", which is no view's name"},
+    {"JitterOfOne", "[timing]", "[stability]\njitter = {views = 1}\n[timing]", ":20:19",
+     "'stability.jitter.views' is 1; it must lie in [2, 1000]"},
+    {"DollyOfOne", "[timing]", "[stability]\ndolly = {factors = [0.5]}\n[timing]", ":20:20",
+     "'stability.dolly.factors' needs at least two"},
+    {"DollyBehindTheTarget", "[timing]", "[stability]\ndolly = {factors = [1.0, -1.0]}\n[timing]", ":20:26",
+     "'stability.dolly.factors' has -1; its numbers must lie in "},
+    {"OrbitWithoutDegrees", "[timing]", "[stability]\norbit = {views = 3}\n[timing]", ":20:9",
+     "'stability.orbit.degrees' is missing"},
     // Not one of the words.
     {"UnknownGeodesic", "[timing]", "[truth]\ngeodesic = \"on\"\n[timing]", ":20:12",
      "'truth.geodesic' is \"on\"; it must be one of: own, extra, off"},

@@ -540,6 +540,27 @@ TEST_F(ExperimentSpecTest, PathsAreRelativeToTheExperiment) {
   EXPECT_EQ(resolve_path(spec, "${TRUESCATTER_TEST_FOLDER}/a.obj", {}), folder_.path() / "a.obj");
 }
 
+TEST_F(ExperimentSpecTest, StabilitySurvivesResolving) {
+  EXPECT_FALSE(read(kMinimal).stability);
+  const std::string given =
+      "[stability]\npoints = 12\nseed = 3\norbit = {degrees = 40.5, views = 7}\ndolly = {factors = [0.5, "
+      "1.25]}\njitter = {views = 9}\n";
+  for (const ExperimentSpec& spec : {read(kMinimal + given), read(to_toml(read(kMinimal + given)))}) {
+    ASSERT_TRUE(spec.stability);
+    EXPECT_EQ(spec.stability->view, "");
+    EXPECT_EQ(spec.stability->points, 12);
+    EXPECT_EQ(spec.stability->seed, 3U);
+    EXPECT_EQ(spec.stability->orbit_deg, 40.5);
+    EXPECT_EQ(spec.stability->orbit_views, 7);
+    EXPECT_EQ(spec.stability->dolly_factors, (std::vector<double>{0.5, 1.25}));
+    EXPECT_EQ(spec.stability->jitter_views, 9);
+  }
+  const ExperimentSpec jitter = read(to_toml(read(kMinimal + "[stability]\njitter = {}\n")));
+  EXPECT_EQ(jitter.stability->jitter_views, 8);
+  EXPECT_EQ(jitter.stability->orbit_views, 0);
+  EXPECT_TRUE(jitter.stability->dolly_factors.empty());
+}
+
 TEST_F(ExperimentSpecTest, CharactersSurviveResolving) {
   EXPECT_TRUE(read(kMinimal).scene.characters.empty());
   const ExperimentSpec spec = read(kMinimal +
