@@ -101,11 +101,40 @@ void add_upright_rectangle(MeshBuilder& builder, double x_low, double width, dou
   });
 }
 
+// The plane's height: its width where none is given.
+double plane_length_mm(const BuiltinParameters& parameters) {
+  const double length = value_of(parameters, "length_mm");
+  return length > 0.0 ? length : value_of(parameters, "size_mm");
+}
+
+// One chart that fills the atlas, or charts x charts ones at one scale between gutters. Their rows and
+// columns run backwards through the atlas, so that no two edges that meet on the surface face each other
+// there.
 Mesh make_plane(const BuiltinParameters& parameters) {
-  const double size = value_of(parameters, "size_mm");
+  const double edge = value_of(parameters, "edge_mm");
+  const double v_scale = 1.0 / value_of(parameters, "uv_stretch");
+  const int charts = static_cast<int>(value_of(parameters, "charts"));
+  const Vec2d size(value_of(parameters, "size_mm"), plane_length_mm(parameters));
+  const double gutter = charts > 1 ? kGutter : 0.0;
+  const double slot = (1.0 - (charts + 1) * gutter) / charts;
+  const double scale = slot * charts / size.maxCoeff();
+  const int columns = cells_along(size.x() / charts, edge);
+  const int rows = cells_along(size.y() / charts, edge);
   MeshBuilder builder;
-  add_upright_rectangle(builder, -0.5 * size, size, size, 0.0, value_of(parameters, "edge_mm"),
-                        {Vec2d::Zero(), 1.0 / size});
+  for (int row = 0; row < charts; ++row) {
+    for (int column = 0; column < charts; ++column) {
+      const Vec2d corner = Vec2d::Constant(gutter) +
+                           (slot + gutter) * Vec2d(charts - 1 - column, (charts - 1 - row) * v_scale);
+      builder.add_grid(columns, rows, [&](int i, int j) {
+        const Vec2d in_chart(scale * size.x() / charts * i / columns,
+                             scale * v_scale * size.y() / charts * j / rows);
+        return Sample{{step_between(0.5 * size.x(), column * columns + i, charts * columns),
+                       step_between(0.5 * size.y(), row * rows + j, charts * rows), 0.0},
+                      Vec3d::UnitZ(),
+                      corner + in_chart};
+      });
+    }
+  }
   return builder.take();
 }
 
@@ -340,7 +369,8 @@ double expected_triangles(std::string_view name, const BuiltinParameters& p) {
   const double edge = value_of(p, "edge_mm");
   double area = 0.0;
   if (name == "sphere") area = 4.0 * kPi * std::pow(value_of(p, "radius_mm"), 2);
-  if (name == "plane" || name == "wedge") area = std::pow(value_of(p, "size_mm"), 2);
+  if (name == "plane") area = value_of(p, "size_mm") * plane_length_mm(p);
+  if (name == "wedge") area = std::pow(value_of(p, "size_mm"), 2);
   if (name == "cards") area = 1.5 * std::pow(value_of(p, "size_mm"), 2);
   if (name == "slab")
     area = 2.0 * value_of(p, "size_mm") * (value_of(p, "size_mm") + 2.0 * value_of(p, "thickness_mm"));
@@ -375,7 +405,12 @@ void check_known(const BuiltinScene& scene, std::string_view parameter, const Bu
 
 void check_range(const BuiltinScene& scene, const BuiltinParameter& parameter, double value,
                  const BuiltinLocations& where) {
-  if (value >= parameter.minimum && value <= parameter.maximum) return;  // false for NaN
+  const bool in_range = value >= parameter.minimum && value <= parameter.maximum;  // false for NaN
+  if (in_range && parameter.whole && value != std::floor(value)) {
+    throw_input_error(location_of(where, parameter.name), "the scene \"{}\" has {} = {}: it must be whole",
+                      scene.name, parameter.name, value);
+  }
+  if (in_range) return;
   throw_input_error(location_of(where, parameter.name), "the scene \"{}\" has {} = {}: it must be {} to {}",
                     scene.name, parameter.name, value, parameter.minimum, parameter.maximum);
 }
@@ -392,7 +427,14 @@ const std::vector<BuiltinScene>& builtin_scenes() {
        "a sphere around the origin, in six charts",
        {{"radius_mm", 25.0, 0.5, 500.0, "radius"}, edge_parameter()},
        make_sphere},
-      {"plane", "a square in the plane z = 0 facing +z", {size_parameter(), edge_parameter()}, make_plane},
+      {"plane",
+       "a square or rectangle in the plane z = 0 facing +z",
+       {size_parameter(),
+        {"length_mm", 0.0, 0.0, 1000.0, "its height; 0: as its width"},
+        {"uv_stretch", 1.0, 1.0, 64.0, "mm per unit of v over mm per unit of u"},
+        {"charts", 1.0, 1.0, 32.0, "along each side; more than one are parted by seams", true},
+        edge_parameter()},
+       make_plane},
       {"wedge",
        "two half squares that meet in a hard edge along the y axis, its bisector along +z",
        {{"dihedral_deg", 90.0, 10.0, 350.0, "the solid's interior angle; above 180 the edge is concave"},

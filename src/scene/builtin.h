@@ -18,6 +18,7 @@ struct BuiltinParameter {
   double minimum;
   double maximum;
   std::string_view help;
+  bool whole = false;  // a whole number
 };
 
 using BuiltinParameters = std::map<std::string, double, std::less<>>;

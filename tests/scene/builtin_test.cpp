@@ -135,8 +135,9 @@ INSTANTIATE_TEST_SUITE_P(
     Builtin, EveryScene,
     testing::Values(
         Case{"sphere", {}}, Case{"sphere", {{"radius_mm", 3.7}, {"edge_mm", 0.9}}},
-        Case{"sphere", {{"edge_mm", 100.0}}}, Case{"plane", {}}, Case{"plane", {{"size_mm", 7.3}}},
-        Case{"wedge", {}}, Case{"wedge", {{"dihedral_deg", 10.0}}}, Case{"wedge", {{"dihedral_deg", 350.0}}},
+        Case{"sphere", {{"edge_mm", 100.0}}}, Case{"plane", {}}, Case{"plane", {{"length_mm", 30.0}}},
+        Case{"plane", {{"charts", 3.0}}}, Case{"plane", {{"size_mm", 7.3}}}, Case{"wedge", {}},
+        Case{"wedge", {{"dihedral_deg", 10.0}}}, Case{"wedge", {{"dihedral_deg", 350.0}}},
         Case{"wedge", {{"dihedral_deg", 180.0}}}, Case{"slab", {}}, Case{"slab", {{"thickness_mm", 0.5}}},
         Case{"slab", {{"thickness_mm", 200.0}, {"size_mm", 30.0}}}, Case{"tube", {}},
         Case{"tube", {{"radius_mm", 0.5}}}, Case{"tube", {{"radius_mm", 60.0}, {"length_mm", 5.0}}},
@@ -159,8 +160,10 @@ TEST(Builtin, TableNamesTheSevenScenes) {
 TEST(Builtin, ErrorsNameSceneParameterValueAndRange) {
   EXPECT_EQ(error_of("cube", {}),
             "\"cube\" is not a built-in scene: head, sphere, plane, wedge, slab, tube, cards");
-  EXPECT_EQ(error_of("plane", {{"radius_mm", 1.0}}),
-            "the scene \"plane\" has no parameter \"radius_mm\": size_mm, edge_mm");
+  EXPECT_EQ(
+      error_of("plane", {{"radius_mm", 1.0}}),
+      "the scene \"plane\" has no parameter \"radius_mm\": size_mm, length_mm, uv_stretch, charts, edge_mm");
+  EXPECT_EQ(error_of("plane", {{"charts", 2.5}}), "the scene \"plane\" has charts = 2.5: it must be whole");
   EXPECT_EQ(error_of("wedge", {{"dihedral_deg", 351.0}}),
             "the scene \"wedge\" has dihedral_deg = 351: it must be 10 to 350");
   EXPECT_EQ(error_of("sphere", {{"radius_mm", std::nan("")}}),
@@ -329,6 +332,33 @@ TEST(Builtin, UvReportOfTwentyThousandTrianglesIsQuick) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   RecordProperty("seconds", std::to_string(elapsed.count()));
   EXPECT_LT(elapsed.count(), 5.0);  // 0.02 s when optimised; the bound is for sanitizers and busy machines
+}
+
+// 12 mm x 24 mm in 3 x 3 charts of one scale: (64 - 4)/64/3 of the atlas for 8 mm along the longer side, and
+// a third of that along v.
+TEST(Plane, HasChartsOfOneScaleAndStretch) {
+  const Mesh mesh = make_builtin(
+      "plane",
+      {{"size_mm", 12.0}, {"length_mm", 24.0}, {"charts", 3.0}, {"uv_stretch", 3.0}, {"edge_mm", 2.0}});
+  EXPECT_EQ(mesh.triangle_count(), 6U * 12U * 2U);
+  const double scale = (1.0 - 4.0 / 64.0) / 3.0 / 8.0;
+  std::set<std::pair<long, long>> corners;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3d side = mesh.positions_mm[static_cast<std::size_t>(mesh.triangles[t][(c + 1) % 3])] -
+                         mesh.positions_mm[static_cast<std::size_t>(mesh.triangles[t][c])];
+      const Vec2d in_uv = (*mesh.corner_uvs)[t][(c + 1) % 3] - (*mesh.corner_uvs)[t][c];
+      EXPECT_NEAR(in_uv.x(), scale * side.x(), 1e-14);
+      EXPECT_NEAR(in_uv.y(), scale / 3.0 * side.y(), 1e-14);
+      // Where a position lies in the atlas, less where it would in one chart: a chart's own number.
+      const Vec3d at = mesh.positions_mm[static_cast<std::size_t>(mesh.triangles[t][c])];
+      const Vec2d shift = (*mesh.corner_uvs)[t][c] - scale * Vec2d(at.x(), at.y() / 3.0);
+      corners.insert({std::lround(1e6 * shift.x()), std::lround(1e6 * shift.y())});
+    }
+  }
+  EXPECT_EQ(corners.size(), 9U);
+  // Seams part the atlas, not the surface: 7 x 13 vertices.
+  EXPECT_EQ(mesh.positions_mm.size(), 7U * 13U);
 }
 
 }  // namespace
