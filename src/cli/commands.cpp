@@ -13,6 +13,7 @@
 #include "experiment/result_folder.h"
 #include "experiment/run_experiment.h"
 #include "experiment/scene_setup.h"
+#include "experiment/sweep.h"
 #include "irradiance/environment.h"
 #include "methods/method.h"
 #include "metrics/flip.h"
@@ -65,10 +66,13 @@ int run(const RunArguments& arguments) {
   const std::filesystem::path folder =
       arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
   if (arguments.dry_run) {
-    const Plan plan = make_plan(spec, arguments.export_inputs);
-    check_shaders(plan, arguments.gl);
+    for (const ExperimentSpec& point : sweep_points(spec)) {
+      const Plan plan = make_plan(point, arguments.export_inputs);
+      check_shaders(plan, arguments.gl);
+      fmt::print("{}", describe_plan(point, plan, check_scene(point)));
+    }
     check_destination(folder);
-    fmt::print("{}output {}: {}\n", describe_plan(spec, plan, check_scene(spec)), folder.string(),
+    fmt::print("output {}: {}\n", folder.string(),
                std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
     return 0;
   }

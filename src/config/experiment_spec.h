@@ -237,6 +237,21 @@ struct LadderSpec {
   std::vector<Rung> rungs;
 };
 
+struct ExperimentSpec;
+
+// One difficulty, taken from easy to hard: the experiment is run once for each value of a key, or of several
+// keys that change together.
+struct SweepSpec {
+  std::vector<std::string> keys;                 // as an override names them
+  std::vector<std::vector<std::string>> values;  // [value][key], as TOML
+  std::vector<double> axis;  // what each value amounts to, strictly growing or falling; else the value itself
+  std::string title;         // of the axis
+  std::string unit;
+  std::string difficulty = "up";      // down: the smallest of `axis` is the hardest
+  std::string scale = "linear";       // of the axis, in charts and between its values; or log
+  std::vector<ExperimentSpec> point;  // the experiment at each value; these have no sweep
+};
+
 struct ExperimentSpec {
   std::filesystem::path file;
   std::string name;
@@ -255,6 +270,7 @@ struct ExperimentSpec {
   std::vector<ThresholdSpec> thresholds;
   std::vector<LadderSpec> ladders;
   std::optional<StabilitySpec> stability;
+  std::optional<SweepSpec> sweep;
 };
 
 // Reads an experiment file and applies overrides "a.b=c" (an entry of an array is named by its `name` or its

@@ -587,6 +587,64 @@ void apply_override(toml::value& root, const std::string& text) {
   *at = override_value(text, text.substr(equals + 1));
 }
 
+double as_axis_value(const toml::value& value) {
+  if (value.is_integer()) return static_cast<double>(value.as_integer());
+  if (value.is_floating()) return value.as_floating();
+  fail_at(value, "'sweep.values' must be numbers, or 'sweep.axis_values' must say what they amount to");
+}
+
+// One value, for each key.
+std::vector<std::string> read_sweep_value(const toml::value& value, std::size_t keys) {
+  if (keys == 1) return {inline_text(value)};
+  if (!value.is_array() || value.as_array().size() != keys)
+    fail_at(value, fmt::format("'sweep.values' must hold {} values each, one for every key", keys));
+  std::vector<std::string> texts;
+  for (const toml::value& entry : value.as_array()) texts.push_back(inline_text(entry));
+  return texts;
+}
+
+void check_axis(const TomlTable& table, const SweepSpec& sweep) {
+  const char* key = table.has("axis_values") ? "axis_values" : "values";
+  const std::vector<double>& axis = sweep.axis;
+  if (axis.size() != sweep.values.size()) {
+    table.fail(key, fmt::format("'sweep.axis_values' has {} entries for {} values", axis.size(),
+                                sweep.values.size()));
+  }
+  if (axis.size() < 2) table.fail(key, "'sweep.values' needs at least two");
+  for (std::size_t i = 1; i < axis.size(); ++i) {
+    if ((axis[i] - axis[i - 1]) * (axis[1] - axis[0]) <= 0.0)
+      table.fail(key, fmt::format("'sweep.{}' must grow or fall from each to the next", key));
+  }
+  if (sweep.scale == "log" && std::min(axis.front(), axis.back()) <= 0.0)
+    table.fail(key, fmt::format("'sweep.{}' must be positive on a logarithmic scale", key));
+}
+
+SweepSpec read_sweep(TomlTable table) {
+  SweepSpec sweep;
+  if (!table.has("key")) table.fail("key", "'sweep.key' is missing");
+  sweep.keys = table.raw("key").is_string() ? std::vector{table.text("key")} : table.texts("key");
+  for (const std::string& key : sweep.keys) {
+    if (key == "name" || key == "sweep" || key.starts_with("sweep."))
+      table.fail("key", fmt::format("'sweep.key' must not be '{}'", key));
+  }
+  if (sweep.keys.empty()) table.fail("key", "'sweep.key' must name a key");
+  if (!table.has("values") || !table.raw("values").is_array())
+    table.fail("values", "'sweep.values' must be an array");
+  const auto& values = table.raw("values").as_array();
+  for (const toml::value& value : values) sweep.values.push_back(read_sweep_value(value, sweep.keys.size()));
+  sweep.axis = table.numbers("axis_values", -kHuge, kHuge);
+  if (!table.has("axis_values")) {
+    for (const toml::value& value : values) sweep.axis.push_back(as_axis_value(value));
+  }
+  sweep.title = table.text("title", fmt::format("{}", fmt::join(sweep.keys, ", ")));
+  sweep.unit = table.text("unit", "");
+  sweep.difficulty = table.one_of("difficulty", sweep.difficulty, {"up", "down"});
+  sweep.scale = table.one_of("scale", sweep.scale, {"linear", "log"});
+  check_axis(table, sweep);
+  table.finish();
+  return sweep;
+}
+
 // Two entries of an array of tables under one name: an error at the later one. `name_of` gives (key, name).
 template <typename NameOf>
 void check_distinct(const std::vector<TomlTable>& tables, const std::string& what, const NameOf& name_of) {
@@ -632,6 +690,7 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   }
   for (const TomlTable& table : root.tables("ladder"))
     spec.ladders.push_back(read_ladder(table, spec.methods));
+  if (root.has("sweep")) spec.sweep = read_sweep(root.table("sweep"));
   if (root.has("stability")) spec.stability = read_stability(root.table("stability"), spec.views);
 
   check_distinct(root.tables("view"), "views are named",
@@ -816,6 +875,17 @@ std::string view_toml(const ViewSpec& view) {
          line("width_px", view.width_px) + line("height_px", view.height_px);
 }
 
+std::string sweep_toml(const SweepSpec& sweep) {
+  std::vector<std::string> values;
+  for (const std::vector<std::string>& value : sweep.values) {
+    const std::string text = fmt::format("{}", fmt::join(value, ", "));
+    values.push_back(sweep.keys.size() == 1 ? text : "[" + text + "]");
+  }
+  return "\n[sweep]\n" + line("key", sweep.keys) + fmt::format("values = [{}]\n", fmt::join(values, ", ")) +
+         line("axis_values", sweep.axis) + line("title", sweep.title) + line("unit", sweep.unit) +
+         line("difficulty", sweep.difficulty) + line("scale", sweep.scale);
+}
+
 std::string stability_toml(const StabilitySpec& stability) {
   std::string text = "\n[stability]\n";
   if (!stability.view.empty()) text += line("view", stability.view);
@@ -835,7 +905,16 @@ std::string stability_toml(const StabilitySpec& stability) {
 ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   toml::value root = read_toml_file(file);
   for (const std::string& override_text : overrides) apply_override(root, override_text);
-  return read_root(TomlTable(root, ""), file);
+  ExperimentSpec spec = read_root(TomlTable(root, ""), file);
+  if (!spec.sweep) return spec;
+  for (const std::vector<std::string>& value : spec.sweep->values) {
+    toml::value point = root;
+    point.as_table().erase("sweep");
+    for (std::size_t k = 0; k < value.size(); ++k)
+      apply_override(point, spec.sweep->keys[k] + "=" + value[k]);
+    spec.sweep->point.push_back(read_root(TomlTable(point, ""), file));
+  }
+  return spec;
 }
 
 std::string to_toml(const ExperimentSpec& spec) {
@@ -870,6 +949,7 @@ std::string to_toml(const ExperimentSpec& spec) {
     }
   }
   if (spec.stability) text += stability_toml(*spec.stability);
+  if (spec.sweep) text += sweep_toml(*spec.sweep);
   return text;
 }
 

@@ -1,24 +1,11 @@
 #include "config/experiment_values.h"
 
 #include <algorithm>
-#include <sstream>
 
 #include "config/toml_reader.h"
 
 namespace truescatter {
 namespace {
-
-std::string text_of(const toml::value& value) {
-  if (value.is_floating()) return fmt::format("{}", value.as_floating());
-  if (value.is_array()) {
-    std::vector<std::string> parts;
-    for (const toml::value& entry : value.as_array()) parts.push_back(text_of(entry));
-    return fmt::format("[{}]", fmt::join(parts, ", "));
-  }
-  std::ostringstream stream;
-  stream << value;
-  return stream.str();
-}
 
 bool is_array_of_tables(const toml::value& value) {
   if (!value.is_array() || value.as_array().empty()) return false;
@@ -42,7 +29,7 @@ void collect(const toml::value& value, const std::string& key, std::map<std::str
     for (std::size_t i = 0; i < entries.size(); ++i)
       collect(entries[i], prefix + entry_key(entries[i], i), values);
   } else {
-    values[key] = text_of(value);
+    values[key] = inline_text(value);
   }
 }
 

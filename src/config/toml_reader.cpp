@@ -61,6 +61,22 @@ void fail_at(const toml::value& value, const std::string& message) {
   throw Error(ErrorKind::input, TomlTable::location_of(value), message);
 }
 
+std::string inline_text(const toml::value& value) {
+  std::vector<std::string> parts;
+  if (value.is_floating()) return fmt::format("{}", value.as_floating());
+  if (value.is_array()) {
+    for (const toml::value& entry : value.as_array()) parts.push_back(inline_text(entry));
+    return fmt::format("[{}]", fmt::join(parts, ", "));
+  }
+  if (value.is_table()) {
+    for (const auto& [key, entry] : value.as_table()) parts.push_back(key + " = " + inline_text(entry));
+    return fmt::format("{{{}}}", fmt::join(parts, ", "));
+  }
+  std::ostringstream stream;
+  stream << value;
+  return stream.str();
+}
+
 TomlTable::TomlTable(const toml::value& value, std::string path) : value_(&value), path_(std::move(path)) {
   if (!value.is_table()) fail_at(value, fmt::format("'{}' must be a table", path_));
 }

@@ -16,6 +16,9 @@ namespace truescatter {
 // Parses a TOML file. Throws Error (input) that names the file, and the line where its syntax is wrong.
 toml::value read_toml_file(const std::filesystem::path& file);
 
+// A value as TOML that fits on one line; numbers have the fewest digits that give the same double.
+std::string inline_text(const toml::value& value);
+
 // A table of a TOML file that remembers which keys were asked for, so that unknown ones are errors.
 class TomlTable {
  public:

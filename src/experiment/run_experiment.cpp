@@ -11,6 +11,7 @@
 #include "experiment/result_json.h"
 #include "experiment/results.h"
 #include "experiment/scene_setup.h"
+#include "experiment/sweep.h"
 #include "experiment/view_runner.h"
 #include "metrics/map_picture.h"
 
@@ -51,25 +52,99 @@ void make_folder(const std::filesystem::path& folder) {
   if (failure) throw_run_error("{}: cannot make this folder: {}", folder.string(), failure.message());
 }
 
-}  // namespace
+// What a run shares between all its scenes.
+struct Shared {
+  const gpu::Context& context;
+  TruthCache* cache;
+  const SourceWrapper& wrap;
+  std::filesystem::path inputs;
+  std::filesystem::path passes;
+};
 
-RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder, TruthCache* cache,
-                          const SourceWrapper& wrap, const RunOptions& options) {
-  const Plan plan = make_plan(spec, options.export_inputs);
-  const gpu::Context context(options.gl);
-  check_shaders(plan, context);
+// The pictures of a scene.
+struct SceneMaps {
+  std::list<ViewMaps> views;
+  double exposure;
+};
+
+void add_profiles(const ExperimentSpec& spec, const Plan& plan, json& profiles) {
+  for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
+    const Profile& profile = plan.profiles[i];
+    const bool known = std::any_of(profiles.begin(), profiles.end(),
+                                   [&](const json& other) { return other["name"] == profile.name; });
+    if (known) continue;
+    profiles.push_back(profile_json(profile));
+    if (const auto fit = plan.fits.find(profile.name); fit != plan.fits.end()) {
+      profiles.back()["fit"] =
+          profile_fit_json(plan.approximated.at(profile.name), *spec.profiles[i].fit, fit->second);
+    }
+    if (const ProfileModel* model = plan.model_of(profile))
+      profiles.back()["of"] = profile_model_json(*model);
+  }
+}
+
+// Sets `scene` of the results to this one, and appends to all lists of what was measured.
+SceneMaps run_scene(const ExperimentSpec& spec, const Plan& plan, const Shared& shared, json& results) {
   const PreparedScene scene = prepare_scene(spec);
-  const SurfaceBuffers buffers(context, scene.shading, scene.lights);
+  const SurfaceBuffers buffers(shared.context, scene.shading, scene.lights);
   const std::vector<PlannedTruth> planned = planned_truths(plan, buffers.has_uvs());
   const bool geodesic = std::any_of(planned.begin(), planned.end(), [](const PlannedTruth& truth) {
     return truth.target.follows_surface() && truth.not_computed.empty();
   });
-  const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, cache, wrap);
+  const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, shared.cache,
+                           shared.wrap);
+  const Setup setup{spec, plan, scene, shared.context, buffers, truths, shared.inputs, shared.passes};
+  results["scene"] = scene_json(spec, scene);
+  add_profiles(spec, plan, results["profiles"]);
+  SceneMaps maps{{}, setup.exposure()};
+  for (const ViewSpec& view : spec.views) maps.views.push_back(run_view(setup, view, results));
+  return maps;
+}
+
+// One scene after the other: of a sweep one for each value.
+std::list<SceneMaps> run_scenes(const ExperimentSpec& spec, const std::vector<ExperimentSpec>& points,
+                                const std::vector<Plan>& plans, const Shared& shared, json& results) {
+  std::list<SceneMaps> maps;
+  std::vector<json> scenes;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (spec.sweep)
+      fmt::print(stderr, "{} = {} ({} of {})\n", spec.sweep->title, spec.sweep->axis[i], i + 1,
+                 points.size());
+    const std::size_t first_view = results["views"].size();
+    const std::size_t first_run = results["runs"].size();
+    maps.push_back(run_scene(points[i], plans[i], shared, results));
+    scenes.push_back(results["scene"]);
+    if (spec.sweep) mark_sweep(spec, i, first_view, first_run, results);
+  }
+  // What is said of the scene is said of the first.
+  results["scene"] = scenes.front();
+  if (spec.sweep) results["sweep"] = sweep_json(*spec.sweep, scenes, results);
+  return maps;
+}
+
+// Plans refer to the experiments.
+std::vector<Plan> make_plans(const std::vector<ExperimentSpec>& points, bool without_pictures) {
+  std::vector<Plan> plans;
+  for (const ExperimentSpec& point : points) plans.push_back(make_plan(point, without_pictures));
+  // A value that the scene refuses is not found after hours.
+  if (points.size() > 1) {
+    for (const ExperimentSpec& point : points) check_scene(point);
+  }
+  return plans;
+}
+
+}  // namespace
+
+RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder, TruthCache* cache,
+                          const SourceWrapper& wrap, const RunOptions& options) {
+  const std::vector<ExperimentSpec> points = sweep_points(spec);
+  const std::vector<Plan> plans = make_plans(points, options.export_inputs);
+  const gpu::Context context(options.gl);
+  for (const Plan& plan : plans) check_shaders(plan, context);
   const std::filesystem::path inputs = options.export_inputs ? folder / "inputs" : "";
   if (!inputs.empty()) make_folder(inputs);
   const std::filesystem::path passes = options.export_passes ? folder / "passes" : "";
   if (!passes.empty()) make_folder(passes);
-  const Setup setup{spec, plan, scene, context, buffers, truths, inputs, passes};
 
   json results = {{"schema", kResultsSchema},
                   {"experiment",
@@ -77,7 +152,6 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                     {"question", spec.question},
                     {"expectation", spec.expectation},
                     {"source", spec.source}}},
-                  {"scene", scene_json(spec, scene)},
                   {"profiles", json::array()},
                   {"views", json::array()},
                   {"truths", json::array()},
@@ -86,32 +160,22 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                   {"runs", json::array()},
                   {"ladders", json::array()},
                   {"stability", json::array()}};
-  for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
-    const Profile& profile = plan.profiles[i];
-    results["profiles"].push_back(profile_json(profile));
-    if (const auto fit = plan.fits.find(profile.name); fit != plan.fits.end()) {
-      results["profiles"].back()["fit"] =
-          profile_fit_json(plan.approximated.at(profile.name), *spec.profiles[i].fit, fit->second);
-    }
-    if (const ProfileModel* model = plan.model_of(profile))
-      results["profiles"].back()["of"] = profile_model_json(*model);
-  }
-  std::list<ViewMaps> views;
-  for (const ViewSpec& view : spec.views) views.push_back(run_view(setup, view, results));
+  const std::list<SceneMaps> scenes =
+      run_scenes(spec, points, plans, {context, cache, wrap, inputs, passes}, results);
 
   add_filter_widths(context, plan, buffers, results["ladders"]);
   const MapRanges ranges = common_ranges(results);
   results["maps"] = {{"range", ranges.errors},
                      {"ladder_range", ranges.ladder_steps},
                      {"quantity", "luminance"},
-                     {"exposure", setup.exposure()}};
+                     {"exposure", scenes.front().exposure}};
   results["provenance"] = provenance(context);
   const std::vector<std::string> exceeded = exceeded_thresholds(results, spec.thresholds);
   results["exceeded"] = exceeded;
 
   const std::filesystem::path maps = folder / "maps";
   make_folder(maps);
-  write_maps(views, maps, ranges, setup.exposure());
+  for (const SceneMaps& scene : scenes) write_maps(scene.views, maps, ranges, scene.exposure);
   write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
   write_text_file(folder / "results.csv", results_csv(results));
   write_text_file(folder / "results.json", results.dump(1) + "\n");

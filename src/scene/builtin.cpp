@@ -449,7 +449,7 @@ const std::vector<BuiltinScene>& builtin_scenes() {
        make_slab},
       {"tube",
        "a closed cylinder along the y axis, its side in one chart with a seam",
-       {{"radius_mm", 10.0, 0.5, 500.0, "radius"},
+       {{"radius_mm", 10.0, 0.1, 500.0, "radius"},
         {"length_mm", 80.0, 1.0, 1000.0, "from cap to cap"},
         edge_parameter()},
        make_tube},

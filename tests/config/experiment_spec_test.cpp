@@ -561,6 +561,29 @@ TEST_F(ExperimentSpecTest, StabilitySurvivesResolving) {
   EXPECT_TRUE(jitter.stability->dolly_factors.empty());
 }
 
+TEST_F(ExperimentSpecTest, ASweepIsTheExperimentAtEachValue) {
+  const std::string given =
+      "[sweep]\nkey = [\"view.front.eye_mm\", \"truth.seed\"]\nvalues = [[[0, 0, 9.5], 4], [[1, 2, 3], 5]]\n"
+      "axis_values = [-1, 2.5]\ntitle = \"where\"\ndifficulty = \"down\"\n";
+  for (const ExperimentSpec& spec : {read(kMinimal + given), read(to_toml(read(kMinimal + given)))}) {
+    ASSERT_TRUE(spec.sweep);
+    EXPECT_EQ(spec.sweep->axis, (std::vector<double>{-1.0, 2.5}));
+    EXPECT_EQ(spec.sweep->title, "where");
+    EXPECT_EQ(spec.sweep->difficulty, "down");
+    EXPECT_EQ(spec.sweep->scale, "linear");
+    ASSERT_EQ(spec.sweep->point.size(), 2U);
+    EXPECT_EQ(spec.sweep->point[0].views[0].eye_mm, Vec3d(0.0, 0.0, 9.5));
+    EXPECT_EQ(spec.sweep->point[1].views[0].eye_mm, Vec3d(1.0, 2.0, 3.0));
+    EXPECT_EQ(spec.sweep->point[1].truth.seed, 5U);
+    EXPECT_FALSE(spec.sweep->point[1].sweep);
+    EXPECT_EQ(spec.truth.seed, 1U);
+  }
+  // A value that the experiment refuses is named.
+  const auto bad = error_of([&] { read(kMinimal + "[sweep]\nkey = \"truth.seed\"\nvalues = [1, 2.5]\n"); });
+  ASSERT_TRUE(bad);
+  EXPECT_EQ(std::string(bad->what()).substr(0, 21), "--set truth.seed=2.5:") << bad->what();
+}
+
 TEST_F(ExperimentSpecTest, CharactersSurviveResolving) {
   EXPECT_TRUE(read(kMinimal).scene.characters.empty());
   const ExperimentSpec spec = read(kMinimal +
