@@ -12,9 +12,11 @@ function setTheme(theme) {
 }
 
 const SECTIONS = [
-  ["overview", "Overview"], ["speed", "Speed against accuracy"], ["pictures", "Pictures"],
-  ["metrics", "Metrics"], ...(ladders.length > 0 ? [["ladders", "Assumptions"]] : []),
-  ...(termGroups().length > 0 ? [["terms", "Gaussians"]] : []), ["halos", "Halos"],
+  ["overview", "Overview"], ...(sweep ? [["sweep", "Difficulty"]] : []), ["speed", "Speed against accuracy"],
+  ["pictures", "Pictures"], ["metrics", "Metrics"],
+  ...(ladders.length > 0 ? [["ladders", "Assumptions"]] : []),
+  ...(termGroups().length > 0 ? [["terms", "Gaussians"]] : []),
+  ...(stabilityRuns.length > 0 ? [["stability", "Over views"]] : []), ["halos", "Halos"],
   ...(hasSeam() ? [["seams", "UV seams"]] : []), ["what", "What was run"]
 ];
 
@@ -30,8 +32,8 @@ document.getElementById("nav").append(
       "\u25d0"));
 if (["light", "dark"].includes(saved.theme)) setTheme(saved.theme);
 append(document.getElementById("main"), [
-  overview(), costSection(), pictureSection(), tableSection(), ladderSection(), termsSection(), haloSection(),
-  seamSection(), detailsSection()
+  overview(), sweepSection(), costSection(), pictureSection(), tableSection(), ladderSection(),
+  termsSection(), stabilitySection(), haloSection(), seamSection(), detailsSection()
 ]);
 document.documentElement.dataset.ready = "yes";
 if (saved.view && viewerParts.root) viewerParts.root.scrollIntoView({block: "start"});
