@@ -146,7 +146,7 @@ double cut_variance_share(double variance_mm2, double r_max_mm) {
 }
 
 void add_filter_widths(const gpu::Context& context, const Plan& plan, const SurfaceBuffers& scene,
-                       json& ladders) {
+                       json& ladders, std::size_t first) {
   std::map<std::pair<std::string, std::string>, json> known;  // by profile and rung
   const auto width_of = [&](const Profile& profile, const std::string& rung) -> json {
     if (profile.terms.empty()) return nullptr;
@@ -163,7 +163,8 @@ void add_filter_widths(const gpu::Context& context, const Plan& plan, const Surf
     return filter_width_json(FilterWidthProbe(context, profile, scene.mean_mm_per_uv_unit())
                                  .measure(*method->method, method->settings));
   };
-  for (json& ladder : ladders) {
+  for (std::size_t i = first; i < ladders.size(); ++i) {
+    json& ladder = ladders[i];
     const std::string name = ladder["profile"];
     const auto profile = std::find_if(plan.profiles.begin(), plan.profiles.end(),
                                       [&](const Profile& p) { return p.name == name; });

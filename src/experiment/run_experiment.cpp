@@ -97,7 +97,9 @@ SceneMaps run_scene(const ExperimentSpec& spec, const Plan& plan, const Shared& 
   results["scene"] = scene_json(spec, scene);
   add_profiles(spec, plan, results["profiles"]);
   SceneMaps maps{{}, setup.exposure()};
+  const std::size_t first_ladder = results["ladders"].size();
   for (const ViewSpec& view : spec.views) maps.views.push_back(run_view(setup, view, results));
+  add_filter_widths(shared.context, plan, buffers, results["ladders"], first_ladder);
   return maps;
 }
 
@@ -163,7 +165,6 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const std::list<SceneMaps> scenes =
       run_scenes(spec, points, plans, {context, cache, wrap, inputs, passes}, results);
 
-  add_filter_widths(context, plan, buffers, results["ladders"]);
   const MapRanges ranges = common_ranges(results);
   results["maps"] = {{"range", ranges.errors},
                      {"ladder_range", ranges.ladder_steps},
