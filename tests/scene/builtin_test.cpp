@@ -133,15 +133,17 @@ TEST_P(EveryScene, HasNoVertexTwiceAndIsTheSameEveryTime) {
 
 INSTANTIATE_TEST_SUITE_P(
     Builtin, EveryScene,
-    testing::Values(
-        Case{"sphere", {}}, Case{"sphere", {{"radius_mm", 3.7}, {"edge_mm", 0.9}}},
-        Case{"sphere", {{"edge_mm", 100.0}}}, Case{"plane", {}}, Case{"plane", {{"length_mm", 30.0}}},
-        Case{"plane", {{"charts", 3.0}}}, Case{"plane", {{"size_mm", 7.3}}}, Case{"wedge", {}},
-        Case{"wedge", {{"dihedral_deg", 10.0}}}, Case{"wedge", {{"dihedral_deg", 350.0}}},
-        Case{"wedge", {{"dihedral_deg", 180.0}}}, Case{"slab", {}}, Case{"slab", {{"thickness_mm", 0.5}}},
-        Case{"slab", {{"thickness_mm", 200.0}, {"size_mm", 30.0}}}, Case{"tube", {}},
-        Case{"tube", {{"radius_mm", 0.5}}}, Case{"tube", {{"radius_mm", 60.0}, {"length_mm", 5.0}}},
-        Case{"cards", {}}, Case{"cards", {{"gap_mm", 0.1}, {"edge_mm", 3.3}}}),
+    testing::Values(Case{"sphere", {}}, Case{"sphere", {{"radius_mm", 3.7}, {"edge_mm", 0.9}}},
+                    Case{"sphere", {{"edge_mm", 100.0}}}, Case{"plane", {}},
+                    Case{"plane", {{"length_mm", 30.0}}}, Case{"plane", {{"charts", 3.0}}},
+                    Case{"plane", {{"size_mm", 7.3}}}, Case{"wedge", {}},
+                    Case{"wedge", {{"dihedral_deg", 10.0}}}, Case{"wedge", {{"dihedral_deg", 350.0}}},
+                    Case{"wedge", {{"dihedral_deg", 180.0}}}, Case{"slab", {}},
+                    Case{"slab", {{"thickness_mm", 0.5}}},
+                    Case{"slab", {{"thickness_mm", 200.0}, {"size_mm", 30.0}}}, Case{"tube", {}},
+                    Case{"tube", {{"radius_mm", 0.1}, {"edge_mm", 0.1}}},
+                    Case{"tube", {{"radius_mm", 60.0}, {"length_mm", 5.0}}}, Case{"cards", {}},
+                    Case{"cards", {{"gap_mm", 0.1}, {"edge_mm", 3.3}}}),
     [](const testing::TestParamInfo<Case>& scene) { return scene.param.name + std::to_string(scene.index); });
 
 TEST(Builtin, TableNamesTheSevenScenes) {
