@@ -66,13 +66,14 @@ int run(const RunArguments& arguments) {
   const std::filesystem::path folder =
       arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
   if (arguments.dry_run) {
+    std::string text;
     for (const ExperimentSpec& point : sweep_points(spec)) {
       const Plan plan = make_plan(point, arguments.export_inputs);
       check_shaders(plan, arguments.gl);
-      fmt::print("{}", describe_plan(point, plan, check_scene(point)));
+      text += describe_plan(point, plan, check_scene(point));
     }
     check_destination(folder);
-    fmt::print("output {}: {}\n", folder.string(),
+    fmt::print("{}output {}: {}\n", text, folder.string(),
                std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
     return 0;
   }

@@ -480,7 +480,7 @@ maximum = 0.5
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   EXPECT_EQ(result.out, R"(tiny: 1 views x 1 profiles x 4 methods = 4 runs
-scene builtin:plane (edge_mm = 5, size_mm = 20)
+scene builtin:plane (charts = 1, edge_mm = 5, length_mm = 0, size_mm = 20, uv_stretch = 1)
 method none: No scattering
 method pscbf: Pseudo-separable cross bilateral filter (placement = median, r_max_mm = 0, sampling = taps, sharing = red, taps = 13, targets = 32-bit)
 method coarse: Pseudo-separable cross bilateral filter (placement = median, r_max_mm = 0, sampling = taps, sharing = red, taps = 5, targets = 32-bit)
