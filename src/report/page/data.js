@@ -22,6 +22,12 @@ const cases = unique(runs.map((run) => JSON.stringify([run.view, run.profile])))
   const caseRuns = all.filter((run) => run.metrics);
   return {key, view, profile, all, runs: caseRuns, truth: all.map(headlineTruth).find((truth) => truth)};
 });
+// Of a view of a sweep: the difficulty there. Empty: it is of none.
+function sweepValue(name) {
+  const at = (views.find((view) => view.name === name) || {}).sweep;
+  return at ? `${results.sweep.title} ${number(at.axis)}` : "";
+}
+
 const caseName = (c) => (views.length > 1 || profiles.length < 2 ? c.view : "") +
     (views.length > 1 && profiles.length > 1 ? " \u00b7 " : "") +
     (profiles.length > 1 ? profileTitle(c.profile) : "");

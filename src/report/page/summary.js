@@ -319,7 +319,9 @@ function matrix() {
           "RMSE of luminance relative to the truth\u2019s RMS. Headline target: " + headlineTarget + "."),
         h("thead", {},
           h("tr", {}, h("th", {}),
-            cases.map((c) => h("th", {scope: "col"}, c.view, h("small", {}, profileTitle(c.profile)))))),
+            cases.map(
+                (c) =>
+                    h("th", {scope: "col"}, c.view, h("small", {}, sweepValue(c.view) || profileTitle(c.profile)))))),
         h("tbody", {}, rows.map((label) => matrixRow(label, largest)))));
 }
 
