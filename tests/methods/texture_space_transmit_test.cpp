@@ -337,11 +337,14 @@ TEST(TextureSpaceTransmit, NamesTheLevelsOfEachCharacterAndLight) {
   std::map<std::string, Image> named;
   passes.record([&] { prepared.render(passes); },
                 [&](const NamedTexture& texture) { named[texture.name] = texture.image; });
-  EXPECT_EQ(named.size(), 2U * 2U * (1U + kStdDevsMm.size() + 1U));
+  // Its levels with the unblurred one, its stretch, the light's shadow map and entries, and the thickness,
+  // which is read anew for each Gaussian that transmits: all three.
+  EXPECT_EQ(named.size(), 2U * 2U * (1U + kStdDevsMm.size() + 1U + 2U + kStdDevsMm.size()));
   for (const int character : {1, 2}) {
     for (const int light : {1, 2}) {
       const std::string of = "character-" + std::to_string(character) + "-light-" + std::to_string(light);
-      EXPECT_TRUE(named.contains(of + "-stretch-0"));
+      for (const std::string map : {"-stretch-0", "-shadow-map", "-entry", "-thickness", "-thickness-2"})
+        EXPECT_TRUE(named.contains(of + map)) << of << map;
       const double expected = character == light ? kLight[static_cast<std::size_t>(light - 1)] : 0.0;
       for (std::size_t level = 0; level <= kStdDevsMm.size(); ++level) {
         const std::string name = of + "-level-" + std::to_string(level);

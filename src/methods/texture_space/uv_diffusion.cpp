@@ -164,15 +164,18 @@ void UvDiffusion::draw_maps(Passes& passes, const Source& source) {
   draw_map(passes, source.character, draw_stretch, *stretch_);
 }
 
+std::string UvDiffusion::prefix(const SeenCharacter& character, const std::string& light) {
+  const std::string whose = character.box ? fmt::format("character-{}-", character.index + 1) : "";
+  return whose + (light.empty() ? "" : light + "-");
+}
+
 // Names a level's maps; level 0 is what is drawn, unblurred. A stretch map that is not blurred stays that.
 void UvDiffusion::show(Passes& passes, const Source& source, std::size_t level) const {
-  const std::string whose =
-      source.character.box ? fmt::format("character-{}-", source.character.index + 1) : "";
-  const std::string light = source.light.empty() ? "" : source.light + "-";
-  passes.show(irradiance_.current(), fmt::format("{}{}level-{}", whose, light, level), "RGB",
+  const std::string whose = prefix(source.character, source.light);
+  passes.show(irradiance_.current(), fmt::format("{}level-{}", whose, level), "RGB",
               level == 0 ? "irradiance in texture space" : "irradiance in texture space, blurred");
   if (stretch_ && (level == 0 || blurs_stretch_))
-    passes.show(stretch_->current(), fmt::format("{}{}stretch-{}", whose, light, level), "uv",
+    passes.show(stretch_->current(), fmt::format("{}stretch-{}", whose, level), "uv",
                 "texels per mm along u and v");
 }
 

@@ -75,6 +75,8 @@ class UvDiffusion {
     DrawSurface draw;
     std::string light = {};  // names the light that it is of, where a frame blurs several apart
   };
+  // What the names of a character's textures under a light begin with; empty where a frame has one of each.
+  static std::string prefix(const SeenCharacter& character, const std::string& light);
 
   // Blurs it to every level in turn, and names each (Passes::show). current() is level i when after(i) is
   // called; when before(i) is, the level before it, and the unblurred map for the first.

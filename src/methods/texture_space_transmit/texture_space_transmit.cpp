@@ -124,6 +124,10 @@ class TextureSpaceTransmit {
     return surface_.part_count() == 1 ? "" : fmt::format("light-{}", part + 1);
   }
 
+  std::string prefix_of(const LitPart& lit) const {
+    return UvDiffusion::prefix(lit.character, light_name(lit.part));
+  }
+
   void add_unlit(Passes& passes, const SeenCharacter& character, std::size_t part) {
     const auto draw = [&](Passes& to, const Target& map) {
       to.draw_geometry(
@@ -153,12 +157,12 @@ class TextureSpaceTransmit {
     const auto before = [&](std::size_t level) {
       if (level == 0) find_entries(passes, lit);
       if (thickness_ == "unblurred" ? level == 0 : thickness_ == "level-before" && transmits(level))
-        read_thickness(passes, character);
+        read_thickness(passes, lit);
     };
     const auto after = [&](std::size_t level) {
       gather(passes, character, level);
       if (!transmits(level)) return;
-      if (thickness_ == "same-level") read_thickness(passes, character);
+      if (thickness_ == "same-level") read_thickness(passes, lit);
       transmit(passes, character, level);
     };
     diffusion_.run(passes, {character, draw, light_name(lit.part)}, before, after);
@@ -185,18 +189,18 @@ class TextureSpaceTransmit {
       program.set("mean_texels_per_mm", diffusion_.mean_texels_per_mm());
       program.set("texture_size", static_cast<double>(texture_size_));
     });
-    passes.show(shadow_map_.texture, "shadow-map", "zuvt",
+    passes.show(shadow_map_.texture, prefix_of(lit) + "shadow-map", "zuvt",
                 "what the light meets first: distance in mm, u, v, and 1 where light gets in");
-    passes.show(entry_.texture, "entry", "uvde",
+    passes.show(entry_.texture, prefix_of(lit) + "entry", "uvde",
                 "where a pixel's light enters: u, v, distance in texture space in mm, and 1 where it does");
   }
 
-  void read_thickness(Passes& passes, const SeenCharacter& character) const {
-    read_thickness_.draw(passes, character, pixel_thickness_, [&](const gpu::Program& program) {
+  void read_thickness(Passes& passes, const LitPart& lit) const {
+    read_thickness_.draw(passes, lit.character, pixel_thickness_, [&](const gpu::Program& program) {
       program.set("surface_uv", frame_.uv, 2);
       program.set("level", diffusion_.current(), 3);
     });
-    passes.show(pixel_thickness_.texture, "thickness", "t",
+    passes.show(pixel_thickness_.texture, prefix_of(lit) + "thickness", "t",
                 "exp(-decay t), t being the way through the body");
   }
 
