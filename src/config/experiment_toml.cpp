@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "config/experiment_spec.h"
+#include "config/method_grid.h"
 #include "config/toml_reader.h"
 
 namespace truescatter {
@@ -398,7 +399,8 @@ OwnMethodSpec read_own_method(TomlTable& table, const std::string& name) {
   return own;
 }
 
-MethodSpec read_method(TomlTable table) {
+// One, or those that its grid stands for.
+std::vector<MethodSpec> read_methods(TomlTable table) {
   MethodSpec method;
   method.name = table.text("name");
   method.where = table.where("name");
@@ -406,7 +408,7 @@ MethodSpec read_method(TomlTable table) {
   if (table.has("label")) check_file_name(table, "label", "method.label", method.label);
   if (method.label == "truth")
     table.fail("label", "'method.label' must not be \"truth\": the truth's own files have it");
-  table.allow({"image", "pass"});
+  table.allow({"image", "pass", "grid"});
   // Keys of the two alone: `run` without a pass is a pass that was forgotten, not an unknown key.
   if (table.has("image") || table.has("pass") || table.has("run"))
     method.own = read_own_method(table, method.name);
@@ -420,8 +422,10 @@ MethodSpec read_method(TomlTable table) {
       method.settings[key] = settings.number(key, -kHuge, kHuge);
     }
   }
+  std::vector<MethodSpec> methods = {method};
+  if (table.has("grid")) methods = expand_grid(method, table.table("grid"));
   table.finish();
-  return method;
+  return methods;
 }
 
 TruthSpec read_truth(TomlTable table) {
@@ -678,7 +682,13 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   for (const TomlTable& table : root.tables("profile")) spec.profiles.push_back(read_profile(table));
   if (spec.profiles.empty())
     root.fail("profile", "'profile' is missing: an experiment needs at least one [[profile]]");
-  for (const TomlTable& table : root.tables("method")) spec.methods.push_back(read_method(table));
+  std::vector<TomlTable> methods;  // the one that each method comes from
+  for (const TomlTable& table : root.tables("method")) {
+    for (MethodSpec& method : read_methods(table)) {
+      spec.methods.push_back(std::move(method));
+      methods.push_back(table);
+    }
+  }
   if (spec.methods.empty())
     root.fail("method", "'method' is missing: an experiment needs at least one [[method]]");
   spec.truth = read_truth(root.table("truth"));
@@ -697,7 +707,6 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
                  [&](std::size_t i) { return std::pair("name", spec.views[i].name); });
   check_distinct(root.tables("profile"), "profiles are named",
                  [&](std::size_t i) { return std::pair("name", spec.profiles[i].name); });
-  const std::vector<TomlTable> methods = root.tables("method");
   check_distinct(methods, "methods have the label", [&](std::size_t i) {
     return std::pair(methods[i].has("label") ? "label" : "name", spec.methods[i].label);
   });

@@ -614,6 +614,52 @@ TEST_F(ExperimentSpecTest, ACrowdHasItsLimit) {
       << error->what();
 }
 
+// Two settings of two values and one of a single value: four methods, the last setting by name changing
+// fastest.
+TEST_F(ExperimentSpecTest, AGridStandsForItsCombinations) {
+  const ExperimentSpec spec =
+      read(kMinimal +
+           "[[method]]\nname = \"pscbf\"\nlabel = \"p\"\nsettings.sampling = \"taps\"\n[method.grid]\n"
+           "taps = [7, 13]\nr_max_mm = [0.5, 1e20]\nplacement = [\"centroid\"]\n"
+           "[[threshold]]\nmethod = \"p_r_max_mm-0p5_taps-13\"\nmaximum = 1.0\n");
+  ASSERT_EQ(spec.methods.size(), 5U);
+  const char* const labels[] = {"p_r_max_mm-0p5_taps-7", "p_r_max_mm-0p5_taps-13", "p_r_max_mm-1e20_taps-7",
+                                "p_r_max_mm-1e20_taps-13"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const MethodSpec& method = spec.methods[1 + i];
+    EXPECT_EQ(method.name, "pscbf");
+    EXPECT_EQ(method.label, labels[i]);
+    EXPECT_EQ(std::get<double>(method.settings.at("r_max_mm")), i < 2 ? 0.5 : 1e20);
+    EXPECT_EQ(std::get<double>(method.settings.at("taps")), i % 2 == 0 ? 7.0 : 13.0);
+    EXPECT_EQ(std::get<std::string>(method.settings.at("placement")), "centroid");
+    EXPECT_EQ(std::get<std::string>(method.settings.at("sampling")), "taps");
+    EXPECT_EQ(method.settings_where.at("taps").line, 17);
+    EXPECT_EQ(method.settings_where.at("taps").column, i % 2 == 0 ? 9 : 12);
+  }
+  // Resolved, each is a method of its own.
+  const ExperimentSpec again = read(to_toml(spec));
+  expect_same(again, spec);
+  EXPECT_EQ(to_toml(again).find("grid"), std::string::npos);
+}
+
+TEST_F(ExperimentSpecTest, AGridHasItsLimit) {
+  const auto grid = [&](int taps) {
+    std::string text = kMinimal + "[[method]]\nname = \"pscbf\"\n[method.grid]\n";
+    for (const std::string key : {"r_max_mm", "taps"}) {
+      text += key + " = [1";
+      for (int i = 2; i <= (key == "taps" ? taps : 64); ++i) text += fmt::format(", {}", i);
+      text += "]\n";
+    }
+    return text;
+  };
+  EXPECT_EQ(read(grid(64)).methods.size(), 4097U);
+  const auto error = error_of([&] { read(grid(65)); });
+  ASSERT_TRUE(error.has_value());
+  EXPECT_NE(std::string(error->what()).find("e.toml:16:8: 'method.grid' stands for more than 4096 methods"),
+            std::string::npos)
+      << error->what();
+}
+
 TEST_F(ExperimentSpecTest, AMissingFileTellsWhereToObtainIt) {
   ExperimentSpec spec = read(kMinimal);
   spec.scene.obtain = "Ask the librarian.";
