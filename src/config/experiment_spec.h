@@ -264,6 +264,7 @@ struct ExperimentSpec {
   std::vector<ViewSpec> views;
   std::vector<ProfileSpec> profiles;
   std::vector<MethodSpec> methods;
+  bool standard_methods = false;  // they are not the file's own
   TruthSpec truth;
   MetricsSpec metrics;
   TimingSpec timing;
@@ -278,6 +279,10 @@ struct ExperimentSpec {
 // key, wrong type, out of range, missing key.
 ExperimentSpec read_experiment(const std::filesystem::path& file,
                                const std::vector<std::string>& overrides = {});
+
+// The same of an experiment that may do without alternatives: where it names no method, or `none` alone, its
+// methods are those of standard_methods.toml.
+ExperimentSpec read_experiment_or_standard(const std::filesystem::path& file);
 
 // The experiment as TOML with every default written out; reading it gives the same experiment.
 std::string to_toml(const ExperimentSpec& spec);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 #include <sstream>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -12,6 +13,12 @@
 #include "config/toml_reader.h"
 
 namespace truescatter {
+
+// Generated: see standard_methods.toml.
+namespace standard {
+std::string embedded(std::string_view path);
+}
+
 namespace {
 
 constexpr double kHuge = std::numeric_limits<double>::max();
@@ -716,6 +723,23 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   return spec;
 }
 
+// Whether an experiment names a method other than `none`. What is not well formed is for read_root to say.
+bool has_alternatives(const toml::value& root) {
+  if (!root.contains("method")) return false;
+  const toml::value& methods = root.at("method");
+  if (!methods.is_array()) return true;
+  return std::any_of(methods.as_array().begin(), methods.as_array().end(), [](const toml::value& method) {
+    const bool named = method.is_table() && method.contains("name") && method.at("name").is_string();
+    return !named || method.at("name").as_string().str != "none";
+  });
+}
+
+toml::value standard_methods() {
+  const std::string name = "config/standard_methods.toml";
+  std::istringstream stream(standard::embedded(name));
+  return toml::parse(stream, name).at("method");
+}
+
 // Numbers have the fewest digits that give the same double.
 template <typename Number>
 requires std::is_arithmetic_v<Number> std::string line(const std::string& key, Number number) {
@@ -910,6 +934,15 @@ std::string stability_toml(const StabilitySpec& stability) {
 }
 
 }  // namespace
+
+ExperimentSpec read_experiment_or_standard(const std::filesystem::path& file) {
+  toml::value root = read_toml_file(file);
+  const bool standard = !has_alternatives(root);
+  if (standard) root.as_table()["method"] = standard_methods();
+  ExperimentSpec spec = read_root(TomlTable(root, ""), file);
+  spec.standard_methods = standard;
+  return spec;
+}
 
 ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   toml::value root = read_toml_file(file);

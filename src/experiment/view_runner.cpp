@@ -112,6 +112,14 @@ json color_bar_json(const Camera& camera) {
           {"height_px", bar.height_px}};
 }
 
+// Views of one camera differ in size alone.
+json camera_json(const ViewSpec& view) {
+  return {{"eye_mm", rgb_json(view.eye_mm)},
+          {"target_mm", rgb_json(view.target_mm)},
+          {"up", rgb_json(view.up)},
+          {"fov_deg", view.fov_deg}};
+}
+
 // A truth of a profile in one view.
 struct ViewedTruth {
   PlannedTruth planned;
@@ -219,6 +227,7 @@ class ViewRunner {
                                  {"skin_pixels", truth_.points().size()},
                                  {"median_skin_depth_mm", median_depth_mm_},
                                  {"mm_per_px", mm_per_px()},
+                                 {"camera", camera_json(view_)},
                                  {"color_bar", color_bar_json(frame_.camera)},
                                  {"files", {{"irradiance", "maps/" + name_ + ".irradiance.png"}}}});
     if (!setup_.inputs.empty()) add_frame_files();
