@@ -80,6 +80,20 @@ struct CompareArguments {
 };
 int compare(const CompareArguments& arguments);
 
+// The cheapest setting of a result, or of an experiment that is run for it, and what the scene does without.
+// Numbers are texts here, as the user gave them.
+struct AdviseArguments {
+  std::filesystem::path source;  // an experiment or a result folder
+  std::string error;             // "2%" or "0.02"; empty: 2 %
+  std::string metric = "rmse";
+  std::string budget;         // "5", "5ms" or "40fetches"; empty: none
+  std::filesystem::path out;  // of the experiment's result; empty: it is not kept
+  int jobs = 0;               // 0: all cores
+  gpu::Backend gl = gpu::Backend::osmesa;
+  bool json = false;
+};
+int advise(const AdviseArguments& arguments);
+
 int report(const std::filesystem::path& folder);
 
 // What there is: methods with their settings, profiles, built-in scenes.

@@ -11,6 +11,7 @@
 
 namespace {
 
+using truescatter::cli::AdviseArguments;
 using truescatter::cli::CompareArguments;
 using truescatter::cli::FitArguments;
 using truescatter::cli::RunArguments;
@@ -134,6 +135,26 @@ int dispatch(int argc, char** argv) {
   compare->add_option("--mask", compare_arguments.mask, "Picture that is not 0 where pixels count");
   compare->add_flag("--json", compare_arguments.json, "Print JSON");
 
+  AdviseArguments advise_arguments;
+  CLI::App* advise = app.add_subcommand(
+      "advise", "Say which setting is the cheapest for an error, and what of the model a scene does without");
+  advise
+      ->add_option("source", advise_arguments.source,
+                   "Experiment to run (without methods: a standard set of them), or a result folder")
+      ->required();
+  advise->add_option("--error", advise_arguments.error, "Largest error: 2% or 0.02 (default: 2%)");
+  advise->add_option("--metric", advise_arguments.metric,
+                     "rmse (relative; default), p99 (99 % quantile of the error, relative) or halo-peak");
+  advise->add_option("--budget", advise_arguments.budget,
+                     "Largest cost: 5ms, or 40fetches (per skin pixel): the most accurate within it");
+  advise->add_option("--out", advise_arguments.out,
+                     "Folder for the experiment's results (default: none are kept)");
+  advise->add_option("--jobs", advise_arguments.jobs, "Threads (default: all cores)")
+      ->check(CLI::Range(1, 4096));
+  advise->add_option("--gl", gl, "OpenGL by osmesa (software; default) or by egl")
+      ->check(CLI::IsMember({"osmesa", "egl"}));
+  advise->add_flag("--json", advise_arguments.json, "Print JSON");
+
   std::string folder;
   CLI::App* report = app.add_subcommand("report", "Write a result folder's report again");
   report->add_option("folder", folder, "Result folder")->required();
@@ -147,10 +168,12 @@ int dispatch(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : kUsageError;
   }
   run_arguments.gl = gl == "egl" ? truescatter::gpu::Backend::egl : truescatter::gpu::Backend::osmesa;
+  advise_arguments.gl = run_arguments.gl;
   if (run->parsed()) return truescatter::cli::run(run_arguments);
   if (truth->parsed()) return truescatter::cli::truth(truth_arguments);
   if (fit->parsed()) return truescatter::cli::fit(fit_arguments);
   if (compare->parsed()) return truescatter::cli::compare(compare_arguments);
+  if (advise->parsed()) return truescatter::cli::advise(advise_arguments);
   if (report->parsed()) return truescatter::cli::report(folder);
   if (list->parsed()) return truescatter::cli::list();
   return kUsageError;
