@@ -55,6 +55,8 @@ class Cases {
   explicit Cases(const json& results) : results_(results) {
     for (const json& view : results.at("views")) {
       sizes_[camera_of(view)].insert(frame_of(view));
+      std::string& names = names_[camera_of(view)];
+      names += (names.empty() ? "" : "/") + view.at("name").get<std::string>();
       double& most = most_pixels_[camera_of(view)];
       most = std::max(most, view.value("skin_pixels", 0.0));
     }
@@ -69,7 +71,7 @@ class Cases {
   std::string case_name(const json& run) const {
     const json& profile = profile_of(run);
     const bool varies = sums_.at(model_of(profile)).size() > 1;
-    return fmt::format("view {}, {}", run.at("view").get<std::string>(),
+    return fmt::format("view {}, {}", names_.at(camera_of(view_of(run))),
                        varies ? model_of(profile) : profile.at("name").get<std::string>());
   }
   json setting_of(const json& run) const {
@@ -106,6 +108,7 @@ class Cases {
 
   const json& results_;
   std::map<std::string, std::set<std::string>> sizes_;
+  std::map<std::string, std::string> names_;  // of a camera's views
   std::map<std::string, double> most_pixels_;
   std::map<std::string, std::set<json>> sums_;
 };
@@ -179,7 +182,7 @@ json entry_of(const Setting& setting, const std::map<std::string, std::string>& 
   return entry;
 }
 
-// Numbers of settings that nothing beats.
+// Settings by what they cost, each marked where none that costs less errs less.
 class Ranking {
  public:
   Ranking(std::vector<json> settings, const AdviceRequest& request)
@@ -290,7 +293,7 @@ constexpr PartText kParts[] = {
     {"layers", "more than one layer of visible surface", "one layer is enough",
      "a second depth-peeled layer changes cbf-unnormalised by"},
     {"shadows", "shadows", "no shadows", "leaving shadows out changes the irradiance by"},
-    {"geodesics", "distances along the surface", "no geodesics",
+    {"geodesics", "to choose between straight distances and those along the surface", "no geodesics",
      "the geodesic truth differs from the Euclidean one by"},
     {"transmittance", "transmittance", "no transmittance", "light through the body is"},
 };
@@ -301,7 +304,6 @@ json part_advice(const PartText& text, const json& needs, double limit) {
   if (worst.difference < 0.0) {
     part["needed"] = nullptr;
     part["difference"] = nullptr;
-    // Where no light casts any, there is nothing to leave out.
     part["sentence"] = fmt::format("{}: not measured: {}", text.part, worst.reason);
     return part;
   }

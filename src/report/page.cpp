@@ -27,6 +27,9 @@ std::string all_scripts() {
        {"base.js",    "data.js",     "summary.js", "scatter.js", "halo.js",  "seam.js",  "values.js",
         "inspect.js", "pictures.js", "viewer.js",  "fit.js",     "terms.js", "sweep.js", "paths.js",
         "tables.js",  "ladder.js",   "details.js", "state.js",   "hover.js", "keys.js",  "report.js"}) {
+       {"base.js",   "data.js",    "summary.js",  "scatter.js", "pareto.js", "halo.js",  "seam.js",
+        "values.js", "inspect.js", "pictures.js", "viewer.js",  "fit.js",    "terms.js", "paths.js",
+        "tables.js", "ladder.js",  "details.js",  "state.js",   "hover.js",  "keys.js",  "report.js"}) {
     text += page_file(name);
   }
   return text;

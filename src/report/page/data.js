@@ -36,9 +36,11 @@ const caseName = (c) => (views.length > 1 || profiles.length < 2 ? c.view : "") 
 // marker's shape and the line's dashes change too. The baseline is grey.
 const SHAPES = ["circle", "square", "triangle", "diamond"];
 const DASHES = ["", "6 3", "2 2", "8 3 2 3"];
-const coloured = labels.filter((label) => label !== "none");
+// Of a grid of settings, methods have them.
+const methodOf = new Map(runs.map((run) => [run.label, labels.length > 32 ? run.method : run.label]));
+const coloured = unique([...methodOf.values()]).filter((name) => name !== "none");
 function styleOf(label) {
-  const i = coloured.indexOf(label);
+  const i = coloured.indexOf(methodOf.get(label) || label);
   if (i < 0) return {colour: "var(--m-none)", shape: "circle", dash: ""};
   const turn = Math.floor(i / 8) % SHAPES.length;
   return {colour: `var(--m${i % 8})`, shape: SHAPES[turn], dash: DASHES[turn]};

@@ -120,6 +120,11 @@ function directLabel(p, taken, frame) {
   ];
 }
 
+// Of many settings, those of the front alone.
+const MOST_LABELLED = 16;
+const labelled = (paid, front) =>
+    paid.length > MOST_LABELLED ? paid.filter((p) => front.some((f) => f.run === p.run)) : paid;
+
 // Runs that no other run beats in both; a free run takes part at cost 0.
 function paretoFront(points) {
   const front = [];
@@ -246,7 +251,7 @@ function scatterChart(c, axis, yDomain) {
         s("path", {class: "front", d: frontPath(front, x, y, frame)}));
   taken.push(...frontBoxes(front, x, y, frame));
   for (const p of paid) append(chart, [axis.whiskers && whisker(p.run, x, p.y), marker(p.run, p.x, p.y)]);
-  append(chart, paid.map((p) => directLabel(p, taken, frame)));
+  append(chart, labelled(paid, front).map((p) => directLabel(p, taken, frame)));
   return chart;
 }
 
@@ -273,7 +278,10 @@ function costCharts() {
       logDomain(runs.filter(isDistinguishable).map((run) => 100 * (relativeError(run) || 0)), 1.35);
   return h(
       "div", {id: "cost-charts"},
-      cases.filter((c) => costed(c).length > 0)
+      paretoGroups().filter((group) => group.cases.length > 1).map(paretoCard),
+      paretoGroups()
+          .filter((group) => group.cases.length === 1 && costed(group.cases[0]).length > 0)
+          .map((group) => group.cases[0])
           .map(
               (c) =>
                   h("div", {class: "pair"}, h("h3", {}, caseName(c)),
