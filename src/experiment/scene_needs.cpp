@@ -206,6 +206,43 @@ class ViewNeeds {
   ViewTruth truth_;
 };
 
+// Of several sums of Gaussians for one diffusion profile, that of the most.
+std::vector<Profile> fullest_profiles(const Plan& plan) {
+  const auto title = [&](const Profile& profile) {
+    const auto of = plan.approximated.find(profile.name);
+    return of != plan.approximated.end() ? of->second.title() : "";
+  };
+  std::vector<Profile> kept;
+  for (const Profile& profile : plan.profiles) {
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const Profile& other) {
+      return !title(profile).empty() && title(other) == title(profile);
+    });
+    if (same == kept.end()) {
+      kept.push_back(profile);
+    } else if (profile.terms.size() > same->terms.size()) {
+      *same = profile;
+    }
+  }
+  return kept;
+}
+
+// Of several sizes of one camera's frame, the largest.
+std::vector<ViewSpec> largest_views(const std::vector<ViewSpec>& views) {
+  std::vector<ViewSpec> kept;
+  for (const ViewSpec& view : views) {
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const ViewSpec& other) {
+      return other.eye_mm == view.eye_mm && other.target_mm == view.target_mm && other.up == view.up &&
+             other.fov_deg == view.fov_deg;
+    });
+    if (same == kept.end()) {
+      kept.push_back(view);
+    } else if (view.width_px > same->width_px) {
+      *same = view;
+    }
+  }
+  return kept;
+}
+
 }  // namespace
 
 json scene_needs(const ExperimentSpec& spec, const NeedOptions& options) {
@@ -216,9 +253,10 @@ json scene_needs(const ExperimentSpec& spec, const NeedOptions& options) {
   if (has_shadows(spec)) dark.emplace(without_shadows(spec), context);
   const SceneTruths truths(lit.scene, spec.truth, true, options.cache);
   json all = json::array();
-  for (const ViewSpec& view : spec.views) {
+  const std::vector<Profile> profiles = fullest_profiles(plan);
+  for (const ViewSpec& view : largest_views(spec.views)) {
     ViewNeeds needs(spec, context, lit, truths, view, options);
-    for (json& entry : needs.measure(plan.profiles, dark ? &*dark : nullptr)) all.push_back(std::move(entry));
+    for (json& entry : needs.measure(profiles, dark ? &*dark : nullptr)) all.push_back(std::move(entry));
   }
   return all;
 }

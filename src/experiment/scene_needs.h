@@ -17,7 +17,9 @@ struct NeedOptions {
   TruthCache* cache = nullptr;
 };
 
-// What each part of the model is worth in each view under each profile of an experiment, which is an array of
+// What each part of the model is worth in each view under each profile of an experiment (of several sizes of
+// one camera's frame the largest, of several sums of Gaussians for one diffusion profile that of the most),
+// which is an array of
 //
 //   view, profile, width_px, height_px   of the frame that it was measured in
 //   gaussians[]    by width: std_dev_mm, std_dev_px (at the view's own size and median depth, of the
