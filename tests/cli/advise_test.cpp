@@ -49,6 +49,27 @@ TEST_F(CliAdvise, APlaneNeedsOneLayerAndNeitherGeodesicsNorTransmittance) {
   EXPECT_TRUE(contains(bare.out, "not measured: there is no kept/experiment.resolved.toml")) << bare.out;
 }
 
+// A slab of 1 mm lit from behind, seen 2 mm about its middle, 20 mm from any edge: the front is dark, and
+// within the reach of its Gaussians (the widest s is 1.5 mm, so that exp(-20^2 / 2 s^2) < 1e-38) nothing but
+// the back gives light, which is farther along the surface than r_max. So all of the truth comes through the
+// body: 1, but for the quadrature's error, which is stated.
+TEST_F(CliAdvise, AThinSlabLitFromBehindNeedsTransmittance) {
+  std::string text = with(kTiny, "builtin:plane", "builtin:slab");
+  text = with(text, "size_mm = 20.0\nedge_mm = 5.0", "size_mm = 40.0\nedge_mm = 5.0\nthickness_mm = 1.0");
+  text = with(text, "direction = [0.0, 0.5, 1.0]", "direction = [0.0, 0.0, -1.0]");
+  text = with(text, "fov_deg = 10.0", "fov_deg = 2.0");
+  folder_.write("e.toml",
+                with(with(text, "width_px = 48", "width_px = 16"), "height_px = 48", "height_px = 16"));
+  const ProgramResult result = truescatter({"advise", "e.toml", "--json"});
+  EXPECT_EQ(result.exit_code, 1) << result.err;  // neither method sees the back
+  std::map<std::string, Json> parts = parts_of(Json::parse(result.out));
+  const Json& transmittance = parts.at("transmittance");
+  EXPECT_EQ(transmittance.at("needed"), true);
+  EXPECT_NEAR(transmittance.at("difference").get<double>(), 1.0, 1e-3);
+  // Straight through, 1 mm, or around the edge, 40 mm: the two metrics agree in nothing.
+  EXPECT_EQ(parts.at("geodesics").at("needed"), true);
+}
+
 // Light that a shadow's edge cuts in two: no baseline keeps to a thousandth of a per cent.
 TEST_F(CliAdvise, ExitsWithOneWhereNoSettingMeetsTheError) {
   const std::string edge =
