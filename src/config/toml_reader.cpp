@@ -88,10 +88,16 @@ SourceLocation TomlTable::location_of(const toml::value& value) {
   SourceLocation where{location.file_name(), static_cast<int>(location.line()),
                        static_cast<int>(location.column())};
   const std::string number = fmt::format("{}", where.line);
-  where.excerpt =
-      fmt::format(" {} | {}\n {} | {}{}", number, location.line_str(), std::string(number.size(), ' '),
-                  std::string(static_cast<std::size_t>(std::max(0, where.column - 1)), ' '),
-                  "^" + std::string(std::max<std::size_t>(1, location.region()) - 1, '~'));
+  const std::string line = location.line_str();
+  const auto before = std::min(line.size(), static_cast<std::size_t>(std::max(0, where.column - 1)));
+  // Tabs stay tabs, and what goes on in other lines is not underlined.
+  std::string pad = line.substr(0, before);
+  std::replace_if(
+      pad.begin(), pad.end(), [](char c) { return c != '\t'; }, ' ');
+  const std::size_t length =
+      std::clamp<std::size_t>(location.region(), 1, std::max<std::size_t>(1, line.size() - before));
+  where.excerpt = fmt::format(" {} | {}\n {} | {}^{}", number, line, std::string(number.size(), ' '), pad,
+                              std::string(length - 1, '~'));
   return where;
 }
 

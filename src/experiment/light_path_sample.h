@@ -51,10 +51,11 @@ class LightPathSample {
   //   T_i   integral of G_i(|x|) I over d > r_max, the straight way inside the body; not cut off: of
   //         (G_i(|x|) - G_i(d)) I, for L_i has G_i(d) I already
   //
-  // L_i is the fast geodesic engine's, to kEngineTolerance, with LightPaths' curvature for Euclidean targets;
-  // the certificate's `max_error` is that tolerance and the largest change of a value as the quadrature's
-  // parts are made twice as coarse, its `audited` all points. Throws Error (run) where that exceeds
-  // kPartsTolerance.
+  // L_i is the fast geodesic engine's, to kEngineTolerance, with LightPaths' curvature for Euclidean targets.
+  // The certificate's `audited` points, random ones, were compared with the exact geodesic engine; its
+  // `max_error` is the largest difference there and the largest change of a value, at any point, as the
+  // quadrature's parts are made twice as coarse. It has not passed where that exceeds kPartsTolerance; such a
+  // truth says nothing of methods. Throws Error (run) where the audit fails.
   TruthImage truth(const OwnTarget& target) const;
 
   std::size_t size() const { return chosen_.size(); }
@@ -62,8 +63,11 @@ class LightPathSample {
  private:
   using Split = std::vector<std::vector<LightPaths>>;  // [level][point]
 
-  Split split(double edge_std_devs) const;
+  Split split(const std::vector<GeodesicTarget>& targets, double edge_std_devs) const;
+  void refine();
+  std::vector<TruthLayer> layers(double r_max_mm) const;
   TruthValues along_surface(double r_max_mm) const;  // [level][point]
+  Certificate audit_along_surface(const TruthValues& along, double r_max_mm) const;
 
   LightPathInputs inputs_;
   std::vector<GaussianLevel> levels_;

@@ -125,5 +125,21 @@ TEST(LightPathSample, IsTheEuclideanTruthOfAConvexBody) {
   EXPECT_GT(largest_difference(whole.image.rgb, euclidean.rgb), allowed);
 }
 
+// Cut off along the surface, what lies nearer and what comes through from farther are the Euclidean truth of
+// a convex body again. At 1 mm the Gaussians, s = 0.7 and 2 mm, are large where the parts jump, so that
+// quadrature is of first order: it is halved until that changes no point by more than a third of 1e-3 of the
+// light, and an error of first order is not larger than its change. With the engines: as above.
+TEST(LightPathSample, HalvesItsPartsWhereTheCutOffJumps) {
+  const PreparedScene scene = lit(make_builtin("sphere", {{"radius_mm", 6.0}, {"edge_mm", 1.0}}),
+                                  [](const Vec3d& x) { return 1.0 + x.x() / 6.0; });
+  const std::vector<MeshPoint> places = random_places(scene.mesh, 16);
+  const TruthImage euclidean = truth_of(scene, places, {.normalised = false});
+  const Sampled cut = sampled_truth(scene, places, {false, false, 1.0, false, true}, two_gaussians(), 16);
+  EXPECT_TRUE(cut.image.certificate.passed());
+  EXPECT_EQ(cut.image.certificate.audited, 16U);
+  EXPECT_LE(largest_difference(cut.image.rgb, euclidean.rgb),
+            (1e-3 / 3.0 + 2.5e-4) * scene.largest_irradiance);
+}
+
 }  // namespace
 }  // namespace truescatter::test
