@@ -28,7 +28,7 @@ json at_pointer(const json& object, const char* pointer) {
 }  // namespace
 
 std::string results_csv(const json& results) {
-  static constexpr std::array<std::array<const char*, 2>, 29> kColumns = {
+  static constexpr std::array<std::array<const char*, 2>, 39> kColumns = {
       {{"view", "/view"},
        {"profile", "/profile"},
        {"method", "/method"},
@@ -57,7 +57,19 @@ std::string results_csv(const json& results) {
        {"frame_ms", "/cost/frame_ms/median"},
        {"passes", "/cost/passes"},
        {"fetches_per_pixel", "/cost/fetches_per_pixel"},
-       {"bytes_per_pixel", "/cost/bytes_per_pixel"}}};
+       {"bytes_per_pixel", "/cost/bytes_per_pixel"},
+       {"rel_rmse_r", "/metrics/channels/r/rel_rmse"},
+       {"rel_rmse_g", "/metrics/channels/g/rel_rmse"},
+       {"rel_rmse_b", "/metrics/channels/b/rel_rmse"},
+       {"own_rel_rmse", "/own_target/metrics/rel_rmse"},
+       {"own_rel_rmse_r", "/own_target/metrics/channels/r/rel_rmse"},
+       {"own_rel_rmse_g", "/own_target/metrics/channels/g/rel_rmse"},
+       {"own_rel_rmse_b", "/own_target/metrics/channels/b/rel_rmse"},
+       // An own target that is known at a sample of pixels, and the headline's error there.
+       {"own_sampled_points", "/own_target/sampled/points"},
+       {"sampled_rel_rmse", "/own_target/sampled/headline_metrics/rel_rmse"},
+       // The first of the truths that were asked for beside the headline.
+       {"extra_rel_rmse", "/extra_targets/0/metrics/rel_rmse"}}};
   std::string text;
   for (const auto& column : kColumns) text += fmt::format("{}{}", text.empty() ? "" : ",", column[0]);
   text += "\n";
