@@ -47,7 +47,8 @@
 // Own target: texture-space's, geodesic and normalised, and added to it, raw, what the straight way through the body
 //   has more than the way along the surface, where that is longer than the profile's r_max.
 //
-// Measured on the built-in head, six Gaussians, at the ear, lit from behind (0.35, 0.25, -1), red, RMSE relative to
+// Measured on the built-in head, six Gaussians, in a picture of the ear alone (experiments/ear.toml has more of the
+// head in view, and smaller shares), lit from behind (0.35, 0.25, -1), red, RMSE relative to
 // the truth: none 15.3 %, texture-space 7.2 %, this 5.3 %; pscbf 13.4 %, pscbf-transmit 9.7 %. thickness unblurred 7.9
 // %, same-level 5.5 %; normal_correction off 5.9 %; blend_std_devs 0.6 6.8 %, 0 6.9 %. Of luminance on average, in
 // units of the truth's RMS: transmittance is 0.40 % of the raw truth (truth.light_paths), texture-space lacks 0.30 %
