@@ -314,7 +314,8 @@ function matrix() {
   const rows = [...labels].sort((a, b) => meanError(a) - meanError(b));
   return h(
       "div", {class: "scroll"},
-      h("table", {class: "matrix"},
+      // As wide as its names and values are, and scrolled where that is too much.
+      h("table", {class: "matrix", style: `min-width: ${190 + 76 * cases.length}px`},
         h("caption", {},
           "RMSE of luminance relative to the truth\u2019s RMS. Headline target: " + headlineTarget + "."),
         h("thead", {},
