@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <vector>
 
 #include "cli/cli_fixture.h"
 #include "core/image_io.h"
@@ -884,7 +885,31 @@ TEST_F(CliRun, LaddersTelescope) {
   EXPECT_NEAR(sum, chain.at("rungs").at(3).at("so_far").at("bias").get<double>(), 1e-14);
   EXPECT_LE(chain.at("telescopes").at("largest_gap").get<double>(), 4e-16);
   EXPECT_GT(std::abs(sum), 1e-4);  // there is something to add up
-  EXPECT_TRUE(exists("out/maps/front.spike-and-base.ladder-chain.exr"));
+
+  // The maps that are written: each step is a difference of values below 1, rounded to single precision
+  // (2^-25), and three of them sum to the last rung less the first.
+  const std::filesystem::path maps = folder_.path() / "out/maps";
+  const Image first = read_rgb(maps / "front.spike-and-base.truth.exr");
+  const Image last = read_rgb(maps / "front.spike-and-base.none.exr");
+  std::vector<Image> steps;
+  for (const std::string rung : {"truth-cut-visible", "pscbf", "none"})
+    steps.push_back(read_rgb(maps / "front.spike-and-base.ladder-chain.exr", rung));
+  double largest = 0.0;
+  int measured = 0;
+  for (int y = 0; y < first.height(); ++y) {
+    for (int x = 0; x < first.width(); ++x) {
+      const Vec3d whole = last.rgb(x, y) - first.rgb(x, y);
+      // Where the picture's border leaves the truth of what is seen less than half of its mass, nothing is
+      // measured.
+      if (steps[0].rgb(x, y).isZero() && steps[1].rgb(x, y).isZero() && steps[2].rgb(x, y).isZero()) continue;
+      ++measured;
+      const Vec3d all = steps[0].rgb(x, y) + steps[1].rgb(x, y) + steps[2].rgb(x, y);
+      EXPECT_LE((all - whole).cwiseAbs().maxCoeff(), 3.0 * 0x1p-25) << x << ", " << y;
+      largest = std::max(largest, whole.cwiseAbs().maxCoeff());
+    }
+  }
+  EXPECT_GT(largest, 1e-3);
+  EXPECT_GE(measured, 44 * 44);  // of 48 x 48: all but two rows and columns at each side
 }
 
 TEST_F(CliRun, ReportWritesTheReportAgain) {
