@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "experiment/draw_method.h"
 #include "experiment/light_path_sample.h"
 #include "experiment/metrics_json.h"
 #include "experiment/plan.h"
@@ -13,7 +14,6 @@
 #include "experiment/scene_truths.h"
 #include "experiment/view_truth.h"
 #include "methods/frame.h"
-#include "methods/passes.h"
 #include "metrics/error_stats.h"
 
 namespace truescatter {
@@ -131,12 +131,7 @@ class ViewNeeds {
 
   // What a run measures: pixels where no Gaussian loses half of its mass.
   Image measured(const Profile& profile) const {
-    const Image mass = truth_.image({&profile, OwnTarget{}}).smallest_mass;
-    Image mask = images_.mask;
-    for (std::size_t i = 0; i < mask.data().size(); ++i) {
-      if (mass.data()[i] < static_cast<float>(kSmallMass)) mask.data()[i] = 0.0F;
-    }
-    return mask;
+    return measured_mask(images_.mask, truth_.image({&profile, OwnTarget{}}).smallest_mass);
   }
 
   json gaussians(const Profile& profile) const {
@@ -159,12 +154,7 @@ class ViewNeeds {
   Image draw(const Profile& profile, double layer_count) const {
     const Method& method = find_method("cbf-unnormalised");
     const Settings settings(method.name, method.settings, {{"layers", layer_count}});
-    const MethodInputs inputs{context_, frame_, lit_.buffers, depth_mm_, profile, settings};
-    const PreparedMethod prepared = method.prepare(inputs);
-    Passes passes(context_);
-    prepared.render(passes);
-    context_.check(method.name.c_str());
-    return gpu::read_texture(context_, *prepared.output, 3);
+    return draw_method(method, {context_, frame_, lit_.buffers, depth_mm_, profile, settings});
   }
 
   json layers(const Profile& profile) const {

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/progress.h"
+#include "experiment/draw_method.h"
 #include "experiment/metrics_json.h"
 #include "experiment/view_truth.h"
 #include "metrics/error_spread.h"
@@ -178,8 +179,8 @@ class StabilityRunner {
       for (std::size_t m = 0; m < setup_.plan.methods.size(); ++m) {
         const PlannedMethod& planned = setup_.plan.methods[m];
         if (!missing(planned).empty()) continue;
-        const Image exitance = drawn(
-            planned, {setup_.context, frame, setup_.surface, median_depth_mm, profile, planned.settings});
+        const Image exitance = draw_method(*planned.method, {setup_.context, frame, setup_.surface,
+                                                             median_depth_mm, profile, planned.settings});
         of(p, m).add(exitance, wanted, seen);
       }
     }
@@ -189,14 +190,6 @@ class StabilityRunner {
   void note(const Certificate& certificate) {
     done_["audited"] = done_["audited"].get<std::size_t>() + certificate.audited;
     done_["max_error"] = std::max(done_["max_error"].get<double>(), certificate.max_error);
-  }
-
-  Image drawn(const PlannedMethod& planned, const MethodInputs& inputs) const {
-    const PreparedMethod prepared = planned.method->prepare(inputs);
-    Passes passes(setup_.context);
-    prepared.render(passes);
-    setup_.context.check(planned.method->name.c_str());
-    return gpu::read_texture(setup_.context, *prepared.output, 3);
   }
 
   // Why a method has no stability.

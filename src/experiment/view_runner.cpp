@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/progress.h"
+#include "experiment/draw_method.h"
 #include "experiment/frame_files.h"
 #include "experiment/ladder.h"
 #include "experiment/light_path_sample.h"
@@ -92,15 +93,6 @@ void check_finite(const std::string& method, const Image& exitance, const Image&
       throw_input_error({}, "method '{}': its exitance at column {}, row {} is not finite", method, x, y);
     }
   }
-}
-
-// Those of the pixels that are measured: where the smallest mass is at least half of a plane's; the others
-// are counted apart.
-Image measured_mask(Image mask, const Image& mass) {
-  for (std::size_t i = 0; i < mask.data().size(); ++i) {
-    if (mass.data()[i] < static_cast<float>(kSmallMass)) mask.data()[i] = 0.0F;
-  }
-  return mask;
 }
 
 // Where the colour bar lies in this view's error maps.
@@ -543,15 +535,6 @@ class ViewRunner {
         .component;
   }
 
-  // What a method draws of a frame, untimed.
-  Image draw_once(const Method& method, const MethodInputs& inputs) const {
-    const PreparedMethod prepared = method.prepare(inputs);
-    Passes passes(setup_.context);
-    prepared.render(passes);
-    setup_.context.check(method.name.c_str());
-    return gpu::read_texture(setup_.context, *prepared.output, 3);
-  }
-
   // Every method under every profile once for each surface in view, with the others dark.
   void measure_leaks() {
     const std::set<int> surfaces = seen_surfaces();
@@ -568,7 +551,7 @@ class ViewRunner {
       for (const Profile& profile : setup_.plan.profiles) {
         for (const PlannedMethod& planned : setup_.plan.methods) {
           if (planned.pictures != nullptr || is_skipped(planned, surface.has_uvs())) continue;
-          const Image exitance = draw_once(
+          const Image exitance = draw_method(
               *planned.method, {setup_.context, frame, surface, median_depth_mm_, profile, planned.settings});
           leaks_[{profile.name, planned.label}].push_back(measure_dark(component, exitance, dark));
         }

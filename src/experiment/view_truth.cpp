@@ -27,6 +27,13 @@ std::string_view name_of(LayerKind kind) {
 
 }  // namespace
 
+Image measured_mask(Image mask, const Image& smallest_mass) {
+  for (std::size_t i = 0; i < mask.data().size(); ++i) {
+    if (smallest_mass.data()[i] < static_cast<float>(kSmallMass)) mask.data()[i] = 0.0F;
+  }
+  return mask;
+}
+
 double plane_mass(const TruthLayer& layer) {
   const double q = layer.r_max_mm / layer.std_dev_mm;
   return -std::expm1(-0.5 * q * q);
