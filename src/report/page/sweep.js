@@ -84,29 +84,12 @@ function sweepChart(group, quantity) {
         role: "img",
         "aria-label": `${quantity.text} against ${sweep.title}`
       },
-      s("g", {class: "axes"},
-        logTicks(domain).map(
-            (tick) =>
-                [s("line", {class: "grid", x1: frame.left, x2: frame.right, y1: y(tick), y2: y(tick)}),
-                 s("text", {x: frame.left - 8, y: y(tick) + 4, "text-anchor": "end"}, String(tick))]),
-        xTicks.map(
-            (tick) => s("text", {x: x(tick), y: frame.bottom + 17, "text-anchor": "middle"}, String(tick))),
-        s("rect", {
-          class: "frame",
-          x: frame.left,
-          y: frame.top,
-          width: frame.right - frame.left,
-          height: frame.bottom - frame.top
-        }),
-        s("text",
-          {class: "label", x: (frame.left + frame.right) / 2, y: SWEEP.height - 6, "text-anchor": "middle"},
-          sweep.title + (sweep.unit ? ", " + sweep.unit : "") + "; harder to the right"),
-        s("text", {
-          class: "label",
-          "text-anchor": "middle",
-          transform: `translate(13,${(frame.top + frame.bottom) / 2}) rotate(-90)`
-        },
-          quantity.text + (quantity.unit ? ", " + quantity.unit : ""))),
+      chartAxes(
+          SWEEP, frame, {ticks: logTicks(domain), at: y, text: quantity.text + (quantity.unit ? ", " + quantity.unit : "")}, {
+            ticks: xTicks,
+            at: x,
+            text: sweep.title + (sweep.unit ? ", " + sweep.unit : "") + "; harder to the right"
+          }),
       lines.map(
           ({curve, points}) =>
               [s("path", {

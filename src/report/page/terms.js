@@ -59,6 +59,41 @@ function termLines(group, channel) {
   ].filter((line) => line.points.some(Boolean));
 }
 
+// A chart's frame, the lines and numbers of its two axes ({ticks, at: tick -> position, text}), and what they are.
+function chartAxes(size, frame, vertical, horizontal) {
+  return s(
+      "g", {class: "axes"},
+      vertical.ticks.map(
+          (tick) => [s("line", {
+                       class: "grid",
+                       x1: frame.left,
+                       x2: frame.right,
+                       y1: vertical.at(tick),
+                       y2: vertical.at(tick)
+                     }),
+                     s("text", {x: frame.left - 8, y: vertical.at(tick) + 4, "text-anchor": "end"},
+                       String(tick))]),
+      horizontal.ticks.map(
+          (tick) => s("text", {x: horizontal.at(tick), y: frame.bottom + 17, "text-anchor": "middle"},
+                      String(tick))),
+      s("rect", {
+        class: "frame",
+        x: frame.left,
+        y: frame.top,
+        width: frame.right - frame.left,
+        height: frame.bottom - frame.top
+      }),
+      s("text",
+        {class: "label", x: (frame.left + frame.right) / 2, y: size.height - 6, "text-anchor": "middle"},
+        horizontal.text),
+      s("text", {
+        class: "label",
+        "text-anchor": "middle",
+        transform: `translate(13,${(frame.top + frame.bottom) / 2}) rotate(-90)`
+      },
+        vertical.text));
+}
+
 // Labels at the lines' ends, apart from each other.
 function endLabels(lines, y, frame) {
   const named = lines.filter((line) => line.name && line.points[line.points.length - 1])
@@ -86,29 +121,9 @@ function termsChart(group, channel) {
         role: "img",
         "aria-label": `Error against the number of Gaussians, ${group.of}, ${group.view}`
       },
-      s("g", {class: "axes"},
-        logTicks(domain).map(
-            (tick) =>
-                [s("line", {class: "grid", x1: frame.left, x2: frame.right, y1: y(tick), y2: y(tick)}),
-                 s("text", {x: frame.left - 8, y: y(tick) + 4, "text-anchor": "end"}, String(tick))]),
-        counts.map(
-            (count) => s("text", {x: x(count), y: frame.bottom + 17, "text-anchor": "middle"}, String(count))),
-        s("rect", {
-          class: "frame",
-          x: frame.left,
-          y: frame.top,
-          width: frame.right - frame.left,
-          height: frame.bottom - frame.top
-        }),
-        s("text",
-          {class: "label", x: (frame.left + frame.right) / 2, y: TERMS.height - 6, "text-anchor": "middle"},
-          "Gaussians"),
-        s("text", {
-          class: "label",
-          "text-anchor": "middle",
-          transform: `translate(13,${(frame.top + frame.bottom) / 2}) rotate(-90)`
-        },
-          "RMSE / RMS of the profile\u2019s truth, %")),
+      chartAxes(
+          TERMS, frame, {ticks: logTicks(domain), at: y, text: "RMSE / RMS of the profile\u2019s truth, %"},
+          {ticks: counts, at: x, text: "Gaussians"}),
       lines.map((line) => [
         s("path", {
           d: linePath(line.points, x, y),
