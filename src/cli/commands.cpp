@@ -14,6 +14,7 @@
 #include "experiment/run_experiment.h"
 #include "experiment/scene_setup.h"
 #include "experiment/sweep.h"
+#include "interrupt_note.h"
 #include "irradiance/environment.h"
 #include "methods/method.h"
 #include "metrics/flip.h"
@@ -58,6 +59,26 @@ int compare_folders(const CompareArguments& arguments) {
   return 0;
 }
 
+RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunArguments& arguments) {
+  const std::unique_ptr<TruthCache> cache =
+      spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
+  try {
+    const RunOutcome outcome =
+        run_experiment(spec, results.working(), cache.get(), {},
+                       {arguments.gl, arguments.export_inputs, arguments.export_passes, arguments.resume});
+    write_report(results.working());
+    results.publish();
+    return outcome;
+  } catch (const Error& error) {
+    // The disk may have room again, and the driver another mood; what an experiment says wrong stays wrong.
+    if (error.kind() == ErrorKind::run) {
+      results.keep();
+      fmt::print(stderr, "note: what is finished is kept; the same command with --resume goes on from it\n");
+    }
+    throw;
+  }
+}
+
 }  // namespace
 
 int run(const RunArguments& arguments) {
@@ -77,13 +98,9 @@ int run(const RunArguments& arguments) {
                std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
     return 0;
   }
-  ResultFolder results(folder);
-  const std::unique_ptr<TruthCache> cache =
-      spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
-  const RunOutcome outcome = run_experiment(spec, results.working(), cache.get(), {},
-                                            {arguments.gl, arguments.export_inputs, arguments.export_passes});
-  write_report(results.working());
-  results.publish();
+  ResultFolder results(folder, arguments.resume);
+  const InterruptNote note("what is finished is kept; the same command with --resume goes on from it");
+  const RunOutcome outcome = run_in(results, spec, arguments);
   fmt::print("{}\n", (folder / "report.html").string());
   for (const std::string& line : outcome.exceeded) fmt::print(stderr, "exceeded: {}\n", line);
   return outcome.exceeded.empty() ? 0 : 1;

@@ -21,6 +21,7 @@ struct RunArguments {
   bool export_inputs = false;  // what methods are given of each view is written too
   bool export_passes = false;  // the textures that methods name on their way are written too
   bool no_cache = false;       // truths are neither taken from the cache nor kept there
+  bool resume = false;         // goes on from what a run that was cut off has finished
 };
 int run(const RunArguments& arguments);
 

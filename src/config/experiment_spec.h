@@ -213,6 +213,9 @@ struct StabilitySpec {
   int jitter_views = 0;               // shifted by less than half a pixel
   int points = 2000;                  // surface points, of the skin pixels of the view; 0: all of them
   std::uint64_t seed = 1;             // of their choice
+
+  // Whether they are derived from this view too.
+  bool of(const ViewSpec& from) const { return view.empty() || view == from.name; }
 };
 
 // A bound on a headline metric; exceeding it ends the run with exit code 1.
@@ -232,6 +235,9 @@ struct LadderSpec {
     std::string truth;
     std::string method;  // a method's label
     std::string assumption;
+
+    // As results name it.
+    std::string name() const { return truth.empty() ? method : "truth-" + truth; }
   };
   std::string name;
   std::vector<Rung> rungs;

@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cctype>
+#include <fstream>
+#include <vector>
+
+#include "core/error.h"
 
 namespace truescatter {
 
@@ -33,6 +37,16 @@ std::string ContentHash::hex() {
   std::transform(digits.begin(), digits.end(), digits.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return digits;
+}
+
+std::string hash_of_file(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  ContentHash hash;
+  std::vector<char> block(1U << 20U);
+  while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0)
+    hash.append(block.data(), static_cast<std::size_t>(in.gcount()));
+  if (!in.eof()) throw_input_error({file.string()}, "cannot read this file");
+  return hash.hex();
 }
 
 }  // namespace truescatter

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -36,5 +37,9 @@ class ContentHash {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// ContentHash of a file's bytes, read piece by piece. Throws Error (input) that names the file if it cannot be
+// read.
+std::string hash_of_file(const std::filesystem::path& file);
 
 }  // namespace truescatter

@@ -1,5 +1,6 @@
 #include "core/image_io.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -15,6 +16,8 @@ namespace {
 
 // Colours are written and read as they are, not divided or multiplied by a fourth channel.
 constexpr const char* kUnassociatedAlpha = "oiio:UnassociatedAlpha";
+// The time would be written otherwise: equal pictures are equal files.
+constexpr const char* kDateTime = "DateTime";
 
 std::string channel_name(const ExrLayer& layer, int channel) {
   static constexpr std::array<const char*, 4> kColour = {"R", "G", "B", "A"};
@@ -25,18 +28,20 @@ std::string channel_name(const ExrLayer& layer, int channel) {
   return layer.name.empty() ? suffix : layer.name + "." + suffix;
 }
 
-void write_with_oiio(const std::filesystem::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc format,
+// Into memory first: the library's writers close their files without looking whether the last bytes went in,
+// which on a full disk leaves half a picture and no word of it.
+void write_with_oiio(const std::filesystem::path& path, OIIO::ImageSpec spec, OIIO::TypeDesc format,
                      const void* pixels) {
-  const std::filesystem::path temporary = temporary_sibling(path);
+  OIIO::Filesystem::IOVecOutput encoded;
+  OIIO::Filesystem::IOProxy* proxy = &encoded;
+  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path.filename().string());
   if (!output) throw_run_error("{}: no writer for this image format: {}", path.string(), OIIO::geterror());
-  if (!output->open(temporary.string(), spec) || !output->write_image(format, pixels) || !output->close()) {
-    const std::string reason = output->geterror();
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw_run_error("{}: cannot write image: {}", path.string(), reason);
-  }
-  commit_temporary(temporary, path);
+  if (!output->open(path.filename().string(), spec) || !output->write_image(format, pixels) ||
+      !output->close())
+    throw_run_error("{}: cannot write image: {}", path.string(), output->geterror());
+  const std::vector<unsigned char>& bytes = encoded.buffer();
+  write_text_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace
@@ -55,6 +60,7 @@ void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& l
   }
   spec.nchannels = channels;
   spec.attribute("compression", "zip");
+  spec.attribute(kDateTime, "");
 
   std::vector<float> pixels(static_cast<std::size_t>(channels) * layers.front().image->pixel_count());
   std::size_t offset = 0;

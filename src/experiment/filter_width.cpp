@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
-#include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -145,9 +145,7 @@ double cut_variance_share(double variance_mm2, double r_max_mm) {
   return 1.0 - x / std::expm1(x);
 }
 
-void add_filter_widths(const gpu::Context& context, const Plan& plan, const SurfaceBuffers& scene,
-                       json& ladders, std::size_t first) {
-  std::map<std::pair<std::string, std::string>, json> known;  // by profile and rung
+json measure_filter_widths(const gpu::Context& context, const Plan& plan, const SurfaceBuffers& scene) {
   const auto width_of = [&](const Profile& profile, const std::string& rung) -> json {
     if (profile.terms.empty()) return nullptr;
     const double v = std::pow(profile.widest_std_dev_mm(), 2);
@@ -163,24 +161,20 @@ void add_filter_widths(const gpu::Context& context, const Plan& plan, const Surf
     return filter_width_json(FilterWidthProbe(context, profile, scene.mean_mm_per_uv_unit())
                                  .measure(*method->method, method->settings));
   };
-  for (std::size_t i = first; i < ladders.size(); ++i) {
-    json& ladder = ladders[i];
-    const std::string name = ladder["profile"];
-    const auto profile = std::find_if(plan.profiles.begin(), plan.profiles.end(),
-                                      [&](const Profile& p) { return p.name == name; });
-    assert(profile != plan.profiles.end());
-    if (!ladder.contains("rungs")) continue;
-    Progress progress(
-        fmt::format("ladder {}: what is left of a Gaussian's variance", ladder["name"].get<std::string>()),
-        ladder["rungs"].size());
-    for (json& rung : ladder["rungs"]) {
-      const std::string label = rung["rung"];
-      const auto [found, is_new] = known.try_emplace({name, label});
-      if (is_new) found->second = width_of(*profile, label);
-      rung["filter_width"] = found->second;
+  std::set<std::string> rungs;
+  for (const LadderSpec& ladder : plan.ladders) {
+    for (const LadderSpec::Rung& rung : ladder.rungs) rungs.insert(rung.name());
+  }
+  Progress progress("ladders: what is left of a Gaussian's variance", plan.profiles.size() * rungs.size());
+  json widths = json::array();
+  for (const Profile& profile : plan.profiles) {
+    for (const std::string& rung : rungs) {
+      widths.push_back(
+          {{"profile", profile.name}, {"rung", rung}, {"filter_width", width_of(profile, rung)}});
       progress.advance();
     }
   }
+  return widths;
 }
 
 }  // namespace truescatter

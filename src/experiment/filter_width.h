@@ -54,10 +54,11 @@ class FilterWidthProbe {
 // off.
 double cut_variance_share(double variance_mm2, double r_max_mm);
 
-// Sets `filter_width` in every rung of `ladders` in results.json, from the `first` one on: facing,
-// along_slope, across_slope and slope_deg; of a truth's rung, which does not care for slopes, in closed form.
-// Null where a profile has no Gaussian, where the method is pictures, and where it was not run.
-void add_filter_widths(const gpu::Context& context, const Plan& plan, const SurfaceBuffers& scene,
-                       nlohmann::json& ladders, std::size_t first = 0);
+// Of every profile and every rung of the plan's ladders, each once: `profile`, `rung` (its name) and
+// `filter_width`: facing, along_slope, across_slope and slope_deg; of a truth's rung, which does not care for
+// slopes, in closed form. Null where a profile has no Gaussian, where the method is pictures, and where it is
+// skipped.
+nlohmann::json measure_filter_widths(const gpu::Context& context, const Plan& plan,
+                                     const SurfaceBuffers& scene);
 
 }  // namespace truescatter

@@ -1,83 +1,130 @@
 #include "experiment/map_files.h"
 
+#include <algorithm>
 #include <functional>
 #include <utility>
-#include <vector>
 
 #include "core/image_io.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "experiment/view_truth.h"
 #include "metrics/map_picture.h"
 
 namespace truescatter {
 namespace {
 
-using Job = std::function<void()>;
+namespace fs = std::filesystem;
 
-// What is shown of an exitance: with the albedo after the scattering.
-Image rendered_picture(Image exitance, const Image& albedo, double exposure) {
-  return display_picture(textured(std::move(exitance), albedo), exposure);
-}
+// Makes PNGs of a view out of its EXRs; each job is one file.
+class PictureJobs {
+ public:
+  PictureJobs(const ViewPictures& view, fs::path maps, const MapRanges& ranges)
+      : view_(view),
+        maps_(std::move(maps)),
+        ranges_(ranges),
+        images_(read_view_maps(view.images)),
+        measured_(images_.mask) {
+    for (const std::string& truth : view.truths)
+      measured_ = measured_mask(std::move(measured_), layer(truth, "mass"));
+    add_jobs();
+  }
 
-// What has to be written for one view; each job is one file.
-void add_jobs(const ViewMaps& view, const std::filesystem::path& maps, const MapRanges& ranges,
-              double exposure, std::vector<Job>& jobs) {
-  const double range = ranges.errors;
-  jobs.emplace_back([&view, maps, exposure] {
-    write_png(maps / (view.name + ".irradiance.png"), display_picture(view.irradiance, exposure));
-  });
-  for (const ViewMaps::Truth& truth : view.truths) {
-    jobs.emplace_back([&view, &truth, maps, exposure] {
-      write_png(maps / (truth.stem + ".png"), rendered_picture(truth.rgb, view.albedo, exposure));
-    });
-    jobs.emplace_back([&view, &truth, maps] {
-      std::vector<ExrLayer> layers = {
-          {"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &view.irradiance}, {"mask", &view.mask}};
-      if (!truth.fit_error.empty()) layers.push_back({"fit_error", &truth.fit_error});
-      write_exr(maps / (truth.stem + ".exr"), layers);
-    });
-    if (truth.fit_error.empty()) continue;
-    jobs.emplace_back([&view, &truth, maps, range] {
-      write_png(
-          maps / (truth.stem + ".signed.png"),
-          map_picture(truth.fit_error, view.measured, MapKind::signed_error, range, "FIT ERROR LUMINANCE"));
+  void run() const {
+    Progress progress("maps of view " + view_.name, jobs_.size());
+    parallel_for(jobs_.size(), [&](std::size_t i) {
+      jobs_[i]();
+      progress.advance();
     });
   }
-  for (const ViewMaps::Run& run : view.runs) {
-    jobs.emplace_back([&view, &run, maps, exposure] {
-      write_png(maps / (run.stem + ".png"), rendered_picture(run.exitance, view.albedo, exposure));
-    });
-    jobs.emplace_back([&view, &run, maps, range] {
-      write_png(maps / (run.stem + ".abs.png"),
-                map_picture(run.error, view.measured, MapKind::magnitude, range, "|ERROR| LUMINANCE"));
-    });
-    jobs.emplace_back([&view, &run, maps, range] {
-      write_png(maps / (run.stem + ".signed.png"),
-                map_picture(run.error, view.measured, MapKind::signed_error, range, "ERROR LUMINANCE"));
-    });
-    jobs.emplace_back([&view, &run, maps] {
-      std::vector<ExrLayer> layers = {{"", &run.exitance}, {"error", &run.error}, {"mask", &view.mask}};
-      if (!run.profile_error.empty()) layers.push_back({"profile_error", &run.profile_error});
-      write_exr(maps / (run.stem + ".exr"), layers);
+
+ private:
+  Image layer(const std::string& stem, const std::string& name) const {
+    return read_exr_layer(maps_ / (stem + ".exr"), name);
+  }
+
+  // What is shown of an exitance: with the albedo after the scattering.
+  void add_exitance(const std::string& stem) {
+    jobs_.emplace_back([this, stem] {
+      write_png(maps_ / (stem + ".png"),
+                display_picture(textured(layer(stem, ""), images_.albedo), view_.exposure));
     });
   }
-  for (const ViewMaps::Ladder& ladder : view.ladders) {
-    for (const ViewMaps::Ladder::Step& step : ladder.steps) {
-      jobs.emplace_back([&view, &ladder, &step, maps, ranges] {
-        write_png(maps / step_file(ladder.stem, step.name),
-                  map_picture(step.error, view.measured, MapKind::signed_error, ranges.ladder_steps,
-                              "STEP LUMINANCE"));
-      });
+
+  void add_map(const std::string& stem, const std::string& from, MapKind kind, const std::string& title) {
+    jobs_.emplace_back([this, stem, from, kind, title] {
+      const std::string file = stem + (kind == MapKind::magnitude ? ".abs.png" : ".signed.png");
+      write_png(maps_ / file, map_picture(layer(stem, from), measured_, kind, ranges_.errors, title));
+    });
+  }
+
+  void add_jobs() {
+    jobs_.emplace_back([this] {
+      write_png(maps_ / (view_.name + ".irradiance.png"),
+                display_picture(images_.irradiance, view_.exposure));
+    });
+    for (const std::string& truth : view_.truths) add_exitance(truth);
+    for (const std::string& truth : view_.profile_truths) {
+      add_exitance(truth);
+      add_map(truth, "fit_error", MapKind::signed_error, "FIT ERROR LUMINANCE");
     }
-    jobs.emplace_back([&view, &ladder, maps] {
-      std::vector<ExrLayer> layers = {{"mask", &view.mask}};
-      for (const ViewMaps::Ladder::Step& step : ladder.steps) layers.push_back({step.name, &step.error});
-      write_exr(maps / (ladder.stem + ".exr"), layers);
-    });
+    for (const std::string& run : view_.runs) {
+      add_exitance(run);
+      add_map(run, "error", MapKind::magnitude, "|ERROR| LUMINANCE");
+      add_map(run, "error", MapKind::signed_error, "ERROR LUMINANCE");
+    }
+    for (const ViewPictures::Ladder& ladder : view_.ladders) {
+      for (const std::string& step : ladder.steps) {
+        jobs_.emplace_back([this, &ladder, &step] {
+          write_png(maps_ / step_file(ladder.stem, step),
+                    map_picture(layer(ladder.stem, step), measured_, MapKind::signed_error,
+                                ranges_.ladder_steps, "STEP LUMINANCE"));
+        });
+      }
+    }
   }
-}
+
+  const ViewPictures& view_;
+  fs::path maps_;
+  MapRanges ranges_;
+  ViewImages images_;
+  Image measured_;
+  std::vector<std::function<void()>> jobs_;
+};
 
 }  // namespace
+
+void write_view_maps(const fs::path& exr, const ViewImages& view) {
+  std::vector<ExrLayer> layers = {{"irradiance", &view.irradiance}, {"mask", &view.mask}};
+  if (!view.albedo.empty()) layers.push_back({"albedo", &view.albedo});
+  write_exr(exr, layers);
+}
+
+ViewImages read_view_maps(const fs::path& exr) {
+  std::vector<std::string> channels;
+  read_image(exr, &channels);
+  const bool has_albedo = std::find(channels.begin(), channels.end(), "albedo.R") != channels.end();
+  return {read_exr_layer(exr, "irradiance"), read_exr_layer(exr, "mask"),
+          has_albedo ? read_exr_layer(exr, "albedo") : Image()};
+}
+
+void write_truth_maps(const fs::path& exr, const TruthMaps& truth) {
+  std::vector<ExrLayer> layers = {
+      {"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &truth.irradiance}, {"mask", &truth.mask}};
+  if (!truth.fit_error.empty()) layers.push_back({"fit_error", &truth.fit_error});
+  write_exr(exr, layers);
+}
+
+void write_run_maps(const fs::path& exr, const RunMaps& run) {
+  std::vector<ExrLayer> layers = {{"", &run.exitance}, {"error", &run.error}, {"mask", &run.mask}};
+  if (!run.profile_error.empty()) layers.push_back({"profile_error", &run.profile_error});
+  write_exr(exr, layers);
+}
+
+void write_ladder_maps(const fs::path& exr, const Image& mask, const std::list<LadderStep>& steps) {
+  std::vector<ExrLayer> layers = {{"mask", &mask}};
+  for (const LadderStep& step : steps) layers.push_back({step.name, &step.error});
+  write_exr(exr, layers);
+}
 
 Image textured(Image exitance, const Image& albedo) {
   for (std::size_t i = 0; i < albedo.data().size(); ++i) exitance.data()[i] *= albedo.data()[i];
@@ -88,15 +135,8 @@ std::string step_file(const std::string& ladder_stem, const std::string& rung) {
   return ladder_stem + "." + rung + ".step.png";
 }
 
-void write_maps(const std::list<ViewMaps>& views, const std::filesystem::path& folder,
-                const MapRanges& ranges, double exposure) {
-  std::vector<Job> jobs;
-  for (const ViewMaps& view : views) add_jobs(view, folder, ranges, exposure, jobs);
-  Progress progress("maps", jobs.size());
-  parallel_for(jobs.size(), [&](std::size_t i) {
-    jobs[i]();
-    progress.advance();
-  });
+void write_map_pictures(const ViewPictures& view, const fs::path& maps, const MapRanges& ranges) {
+  PictureJobs(view, maps, ranges).run();
 }
 
 }  // namespace truescatter

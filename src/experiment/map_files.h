@@ -1,48 +1,54 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <list>
 #include <string>
+#include <vector>
 
 #include "core/image.h"
 
 namespace truescatter {
 
-// The pictures of one view. They wait until the experiment is through, for error maps share one range.
-struct ViewMaps {
-  struct Truth {
-    std::string stem;  // of its files' names
-    Image rgb;
-    Image mass;
-    Image fit_error = {};  // of the truth of a profile itself: that of its Gaussians less it; else empty
-  };
-  struct Run {
-    std::string stem;
-    Image exitance;
-    Image error;          // against the headline
-    Image profile_error;  // against the truth of the profile itself; empty without one
-  };
+// The pictures of a result: EXR with the numbers as each piece of a run is finished, and PNG for the eye at
+// the end, made from those, for error maps share one range. Whatever cannot be written is an Error (run) that
+// names the file.
 
-  // What the assumptions of a ladder add, one after the other.
-  struct Ladder {
-    struct Step {
-      std::string name;  // the rung's
-      Image error;       // signed
-    };
-    std::string stem;
-    std::list<Step> steps;
-  };
-
-  std::string name;
+// What is behind every error map of a view.
+struct ViewImages {
   Image irradiance;
-  Image mask;      // skin
-  Image measured;  // skin with mass enough to be measured
-  Image albedo;    // what of it comes after the scattering; empty where nothing does
-  std::list<Truth> truths;
-  std::list<Run> runs;
-  std::list<Ladder> ladders;
+  Image mask;    // skin
+  Image albedo;  // what of it comes after the scattering; empty where nothing does
 };
+void write_view_maps(const std::filesystem::path& exr, const ViewImages& view);
+ViewImages read_view_maps(const std::filesystem::path& exr);
+
+// The plain R, G, B is the truth. `fit_error`: of the truth of a profile itself, that of its Gaussians less
+// it; else empty.
+struct TruthMaps {
+  const Image& rgb;
+  const Image& mass;
+  const Image& irradiance;
+  const Image& mask;
+  const Image& fit_error;
+};
+void write_truth_maps(const std::filesystem::path& exr, const TruthMaps& truth);
+
+// The plain R, G, B is the exitance.
+struct RunMaps {
+  const Image& exitance;
+  const Image& error;  // against the headline
+  const Image& mask;
+  const Image& profile_error;  // against the truth of the profile itself; empty without one
+};
+void write_run_maps(const std::filesystem::path& exr, const RunMaps& run);
+
+// What an assumption of a ladder adds.
+struct LadderStep {
+  std::string name;  // the rung's
+  Image error;       // signed
+};
+void write_ladder_maps(const std::filesystem::path& exr, const Image& mask,
+                       const std::list<LadderStep>& steps);
 
 // The name of a step's picture.
 std::string step_file(const std::string& ladder_stem, const std::string& rung);
@@ -56,10 +62,23 @@ struct MapRanges {
   double ladder_steps;
 };
 
-// Writes every view's pictures into `folder`, in parallel: PNG for the eye and EXR with the numbers.
-// `range`: the ends of the error maps' colours. `exposure`: what turns the brightest irradiance into white.
-// Throws Error (run) that names the file that cannot be written.
-void write_maps(const std::list<ViewMaps>& views, const std::filesystem::path& folder,
-                const MapRanges& ranges, double exposure);
+// What of a view has pictures, by the stems of the files' names.
+struct ViewPictures {
+  std::string name;
+  std::filesystem::path images;                  // of write_view_maps
+  double exposure;                               // what turns the brightest irradiance into white
+  std::vector<std::string> truths = {};          // of Gaussians
+  std::vector<std::string> profile_truths = {};  // of profiles themselves
+  std::vector<std::string> runs = {};
+  struct Ladder {
+    std::string stem;
+    std::vector<std::string> steps;  // names of rungs
+  };
+  std::vector<Ladder> ladders = {};
+};
+
+// Writes the PNGs of a view into `maps`, in parallel, out of the EXRs that are there. Error maps show the
+// skin that is measured under every profile: where each truth of Gaussians has mass enough.
+void write_map_pictures(const ViewPictures& view, const std::filesystem::path& maps, const MapRanges& ranges);
 
 }  // namespace truescatter

@@ -9,9 +9,15 @@
 #include <thread>
 
 #include "build_commit.h"
+#include "build_libraries.h"
+#include "core/content_hash.h"
 #include "core/parallel.h"
+#include "experiment/input_files.h"
 
 namespace truescatter {
+
+using nlohmann::json;
+
 namespace {
 
 std::string processor() {
@@ -23,6 +29,20 @@ std::string processor() {
   return "unknown";
 }
 
+json libraries() {
+  json versions = json::object();
+  for (const auto& [name, version] : kLibraries) versions[name] = version;
+  return versions;
+}
+
+std::string hash_of(const std::string& text) {
+  ContentHash hash;
+  hash.append(text);
+  return hash.hex();
+}
+
+}  // namespace
+
 std::string now_utc() {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
@@ -31,17 +51,17 @@ std::string now_utc() {
                      utc.tm_hour, utc.tm_min, utc.tm_sec);
 }
 
-}  // namespace
-
-nlohmann::json provenance(const gpu::Context& context) {
+json provenance(const gpu::Context& context, const ExperimentSpec& spec) {
   utsname system{};
   uname(&system);
   return {{"version", TRUESCATTER_VERSION},
           {"commit", TRUESCATTER_COMMIT},
           {"commit_dirty", TRUESCATTER_COMMIT_DIRTY},
+          {"program", hash_of_file("/proc/self/exe")},
           {"compiler", TRUESCATTER_COMPILER},
           {"build_type", TRUESCATTER_BUILD_TYPE},
           {"instruction_set", TRUESCATTER_ARCH},
+          {"libraries", libraries()},
           {"gl_context", gpu::name_of(context.backend())},
           {"gl_software", context.is_software()},
           {"gl_renderer", context.renderer()},
@@ -52,7 +72,28 @@ nlohmann::json provenance(const gpu::Context& context) {
             {"processor", processor()},
             {"cores", std::thread::hardware_concurrency()},
             {"jobs", job_count()}}},
-          {"finished_utc", now_utc()}};
+          {"experiment", hash_of(to_toml(spec))},
+          {"inputs", input_hashes(spec)}};
+}
+
+std::string provenance_difference(const json& before, const json& now) {
+  const auto compared = [](json provenance) {
+    if (provenance.contains("machine")) {
+      provenance["machine"].erase("jobs");
+      provenance["machine"].erase("system");
+    }
+    return provenance.flatten();
+  };
+  const json old_entries = compared(before);
+  const json new_entries = compared(now);
+  for (const json& side : {old_entries, new_entries}) {
+    for (const auto& [key, value] : side.items()) {
+      const json was = old_entries.value(key, json());
+      const json is = new_entries.value(key, json());
+      if (was != is) return fmt::format("{} was {} and is {}", key.substr(1), was.dump(), is.dump());
+    }
+  }
+  return "";
 }
 
 }  // namespace truescatter

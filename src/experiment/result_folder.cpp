@@ -18,6 +18,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "experiment/pieces.h"
 
 namespace truescatter {
 namespace {
@@ -25,8 +26,10 @@ namespace {
 namespace fs = std::filesystem;
 
 // The folders of a result, with the kinds of files that they hold.
-const std::map<std::string, std::vector<std::string>, std::less<>> kFolders = {
-    {"maps", {".png", ".exr"}}, {"inputs", {".exr", ".json"}}, {"passes", {".png", ".exr"}}};
+const std::map<std::string, std::vector<std::string>, std::less<>> kFolders = {{"maps", {".png", ".exr"}},
+                                                                               {"inputs", {".exr", ".json"}},
+                                                                               {"passes", {".png", ".exr"}},
+                                                                               {"pieces", {".json", ".exr"}}};
 constexpr std::array<std::string_view, 4> kFiles = {"report.html", "results.json", "results.csv",
                                                     "experiment.resolved.toml"};
 
@@ -123,28 +126,70 @@ void note(const fs::path& path, const std::string& text) {
   fmt::print(stderr, "note: {}: {}\n", path.string(), text);
 }
 
-// Deals with what killed runs have left beside the target. A run that is to go on from finished parts would
-// look for them here.
-void clear_leftovers(const fs::path& target) {
-  if (!is_plain_folder(target.parent_path())) return;
+// What a run that was cut off has left beside a target, locked.
+struct Leftover {
+  fs::path folder;
+  int lock;
+};
+
+// Those that no process works in.
+std::vector<Leftover> leftovers_of(const fs::path& target) {
+  std::vector<Leftover> found;
+  if (!is_plain_folder(target.parent_path())) return found;
   for (const fs::path& left : entries_of(target.parent_path())) {
     if (!is_beside_name(left.filename().string(), target) || !is_plain_folder(left)) continue;
-    const int lock = lock_folder(left);
-    if (lock < 0) continue;  // of a run that is going on
-    std::error_code failure;
-    if (foreign_entry(left)) {
-      note(left, "left by a run that was killed; it holds other files, so it stays");
-    } else if (has_results(left) && !fs::exists(fs::symlink_status(target))) {
-      fs::rename(left, target, failure);
-      note(left, failure ? "cannot be put in its place: " + failure.message()
-                         : "left by a run that was killed; put in its place");
-    } else {
-      fs::remove_all(left, failure);
-      note(left, failure ? "left by a run that was killed; cannot be removed: " + failure.message()
-                         : "left by a run that was killed; removed");
-    }
-    close(lock);
+    if (const int lock = lock_folder(left); lock >= 0) found.push_back({left, lock});
   }
+  return found;
+}
+
+// Files that were being written when a run was cut off.
+void remove_temporaries(const fs::path& folder) {
+  for (const auto& [name, kinds] : kFolders) {
+    if (!is_plain_folder(folder / name)) continue;
+    for (const fs::path& entry : entries_of(folder / name)) {
+      if (is_temporary_name(entry.filename().string())) fs::remove(entry);
+    }
+  }
+}
+
+// Of a whole result, the pieces are gone already.
+bool is_whole_result(const fs::path& folder) { return has_results(folder) && !has_pieces(folder); }
+
+// Puts a whole result in its place, if nothing is there, and removes what is of no use. Returns whether
+// something is left that a run can go on from.
+bool clear_leftover(const fs::path& left, const fs::path& target) {
+  std::error_code failure;
+  if (foreign_entry(left)) {
+    note(left, "left by a run that was cut off; it holds other files, so it stays");
+  } else if (is_whole_result(left) && !fs::exists(fs::symlink_status(target))) {
+    fs::rename(left, target, failure);
+    note(left, failure ? "cannot be put in its place: " + failure.message()
+                       : "left by a run that was cut off; put in its place");
+  } else if (has_pieces(left)) {
+    return true;
+  } else {
+    fs::remove_all(left, failure);
+    note(left, failure ? "left by a run that was cut off; cannot be removed: " + failure.message()
+                       : "left by a run that was cut off; removed");
+  }
+  return false;
+}
+
+// The leftover that was worked in last, which the caller has the lock of.
+std::optional<Leftover> latest_pieces(const fs::path& target) {
+  std::optional<Leftover> latest;
+  for (const Leftover& left : leftovers_of(target)) {
+    const bool usable = clear_leftover(left.folder, target);
+    const auto time = [](const Leftover& of) { return fs::last_write_time(of.folder / "pieces"); };
+    if (usable && (!latest || time(left) > time(*latest))) {
+      if (latest) close(latest->lock);
+      latest = left;
+    } else {
+      close(left.lock);
+    }
+  }
+  return latest;
 }
 
 }  // namespace
@@ -179,10 +224,22 @@ void check_destination(const fs::path& destination) {
   }
 }
 
-ResultFolder::ResultFolder(const fs::path& destination)
+ResultFolder::ResultFolder(const fs::path& destination, bool resume)
     : target_(resolved(destination)), working_(beside(target_, "part")) {
   check_destination(destination);
-  clear_leftovers(target_);
+  const std::optional<Leftover> left = latest_pieces(target_);
+  if (left && resume) {
+    take_over(left->folder, left->lock);
+    return;
+  }
+  if (left) {
+    note(left->folder,
+         "left by a run that was cut off; --resume goes on from it, and it is removed when "
+         "this run is through");
+    close(left->lock);
+  } else if (resume) {
+    note(target_, "no run that was cut off has left anything to go on from; starting from the beginning");
+  }
   make_parents();
   std::error_code failure;
   const bool made = fs::create_directory(working_, failure);
@@ -192,6 +249,16 @@ ResultFolder::ResultFolder(const fs::path& destination)
     fs::remove(*parent, failure);
   throw_run_error("{}: cannot make a folder beside it for the results: {}", destination.string(),
                   failure ? failure.message() : working_.string() + " is in the way");
+}
+
+// The lock belongs to the folder under any name.
+void ResultFolder::take_over(const fs::path& left, int lock) {
+  lock_ = lock;
+  kept_ = true;
+  std::error_code failure;
+  fs::rename(left, working_, failure);
+  if (failure) working_ = left;
+  remove_temporaries(working_);
 }
 
 void ResultFolder::make_parents() {
@@ -206,7 +273,7 @@ void ResultFolder::make_parents() {
 
 ResultFolder::~ResultFolder() {
   std::error_code ignored;
-  if (!published_) {
+  if (!published_ && !kept_) {
     fs::remove_all(working_, ignored);
     for (auto parent = made_parents_.rbegin(); parent != made_parents_.rend(); ++parent)
       fs::remove(*parent, ignored);
@@ -215,6 +282,17 @@ ResultFolder::~ResultFolder() {
 }
 
 void ResultFolder::publish() {
+  remove_pieces(working_);
+  exchange();
+  for (const Leftover& left : leftovers_of(target_)) {
+    std::error_code failure;
+    if (clear_leftover(left.folder, target_)) fs::remove_all(left.folder, failure);
+    if (failure) note(left.folder, "cannot be removed: " + failure.message());
+    close(left.lock);
+  }
+}
+
+void ResultFolder::exchange() {
   std::error_code failure;
   if (!fs::exists(fs::symlink_status(target_))) {
     fs::rename(working_, target_, failure);

@@ -12,33 +12,42 @@ void check_destination(const std::filesystem::path& destination);
 
 // A result folder that appears whole or not at all. All files are written to a temporary folder beside it,
 // `.<name>.<process>.part`, which `publish` puts in its place; until then an earlier result stays as it is,
-// and an object that goes without `publish` takes the temporary folder with it. The temporary folder is
-// locked (flock) as long as the object lives: one that is not is left over from a run that was killed.
+// and an object that goes without `publish` or `keep` takes the temporary folder with it. The temporary
+// folder is locked (flock) as long as the object lives: one that is not is left over from a run that was cut
+// off. If it has finished pieces (PieceStore), a run can go on from them; it stays until another run is
+// published.
 class ResultFolder {
  public:
-  // Makes the temporary folder. Before, left-over ones of this destination are removed (a complete result is
-  // put in its place, if nothing is there), with a line on standard error for each. Throws Error: input as
+  // Makes the temporary folder, or with `resume` takes over the left-over one of this destination whose
+  // pieces are the latest. Before, left-over ones without pieces are removed (a complete result is put in its
+  // place, if nothing is there), with a line on standard error for each. Throws Error: input as
   // check_destination, run if the folder cannot be made.
-  explicit ResultFolder(const std::filesystem::path& destination);
+  explicit ResultFolder(const std::filesystem::path& destination, bool resume = false);
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
   // Where to write.
   const std::filesystem::path& working() const { return working_; }
-  // Puts the folder in its place and removes the earlier result (keeps it beside, with a note, if somebody
-  // has put other files there since the run began). Throws Error (run) if that fails; the earlier result is
+  // Leaves the temporary folder where it is if this is not published.
+  void keep() { kept_ = true; }
+  // Removes the pieces, puts the folder in its place and removes what runs that were cut off have left, and
+  // the earlier result (keeps it beside, with a note, if somebody has put other files there since the run
+  // began). Throws Error (run) if that fails; the earlier result is
   // in its place then.
   void publish();
 
  private:
   void make_parents();
+  void take_over(const std::filesystem::path& left, int lock);
+  void exchange();
 
   std::filesystem::path target_;   // absolute, links followed
   std::filesystem::path working_;  // beside it
   std::vector<std::filesystem::path> made_parents_;
   int lock_ = -1;
   bool published_ = false;
+  bool kept_ = false;
 };
 
 }  // namespace truescatter

@@ -1,11 +1,15 @@
 #include "experiment/run_experiment.h"
 
-#include <algorithm>
-#include <list>
+#include <fmt/format.h>
 
+#include <algorithm>
+
+#include "core/error.h"
 #include "core/file.h"
 #include "experiment/filter_width.h"
+#include "experiment/join_pieces.h"
 #include "experiment/map_files.h"
+#include "experiment/pieces.h"
 #include "experiment/plan.h"
 #include "experiment/provenance.h"
 #include "experiment/result_json.h"
@@ -13,38 +17,11 @@
 #include "experiment/scene_setup.h"
 #include "experiment/sweep.h"
 #include "experiment/view_runner.h"
-#include "metrics/map_picture.h"
 
 namespace truescatter {
 namespace {
 
 using nlohmann::json;
-
-// The median rounded up; 1 where there is nothing.
-double range_of(std::vector<double> quantiles) {
-  if (quantiles.empty()) return 1.0;
-  const auto middle = quantiles.begin() + static_cast<std::ptrdiff_t>(quantiles.size() / 2);
-  std::nth_element(quantiles.begin(), middle, quantiles.end());
-  return *middle > 0.0 ? round_range(*middle) : 1.0;
-}
-
-void add_quantile(const json& measured, const char* what, std::vector<double>& quantiles) {
-  if (measured.contains(what) && measured[what]["p99"].is_number())
-    quantiles.push_back(measured[what]["p99"].get<double>());
-}
-
-// One fixed range for every error map of the experiment: the median over the runs of the 99 % quantile,
-// rounded up. The worst method's maps saturate; scaled to the worst, the good ones would be black. Another
-// one for the steps of ladders, which are smaller.
-MapRanges common_ranges(const json& results) {
-  std::vector<double> errors;
-  for (const json& run : results["runs"]) add_quantile(run, "metrics", errors);
-  std::vector<double> steps;
-  for (const json& ladder : results["ladders"]) {
-    for (const json& rung : ladder.value("rungs", json::array())) add_quantile(rung, "step", steps);
-  }
-  return {range_of(errors), range_of(steps)};
-}
 
 void make_folder(const std::filesystem::path& folder) {
   std::error_code failure;
@@ -57,34 +34,14 @@ struct Shared {
   const gpu::Context& context;
   TruthCache* cache;
   const SourceWrapper& wrap;
+  const PieceStore& pieces;
   std::filesystem::path inputs;
   std::filesystem::path passes;
 };
 
-// The pictures of a scene.
-struct SceneMaps {
-  std::list<ViewMaps> views;
-  double exposure;
-};
-
-void add_profiles(const ExperimentSpec& spec, const Plan& plan, json& profiles) {
-  for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
-    const Profile& profile = plan.profiles[i];
-    const bool known = std::any_of(profiles.begin(), profiles.end(),
-                                   [&](const json& other) { return other["name"] == profile.name; });
-    if (known) continue;
-    profiles.push_back(profile_json(profile));
-    if (const auto fit = plan.fits.find(profile.name); fit != plan.fits.end()) {
-      profiles.back()["fit"] =
-          profile_fit_json(plan.approximated.at(profile.name), *spec.profiles[i].fit, fit->second);
-    }
-    if (const ProfileModel* model = plan.model_of(profile))
-      profiles.back()["of"] = profile_model_json(*model);
-  }
-}
-
-// Sets `scene` of the results to this one, and appends to all lists of what was measured.
-SceneMaps run_scene(const ExperimentSpec& spec, const Plan& plan, const Shared& shared, json& results) {
+// Computes the pieces of a scene that are not finished.
+void run_scene(const ScenePlan& what, const Shared& shared) {
+  const auto& [spec, plan] = what;
   const PreparedScene scene = prepare_scene(spec);
   const SurfaceBuffers buffers(shared.context, scene.shading, scene.lights);
   const std::vector<PlannedTruth> planned = planned_truths(plan, buffers.has_uvs());
@@ -93,35 +50,47 @@ SceneMaps run_scene(const ExperimentSpec& spec, const Plan& plan, const Shared& 
   });
   const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, shared.cache,
                            shared.wrap);
-  const Setup setup{spec, plan, scene, shared.context, buffers, truths, shared.inputs, shared.passes};
-  results["scene"] = scene_json(spec, scene);
-  add_profiles(spec, plan, results["profiles"]);
-  SceneMaps maps{{}, setup.exposure()};
-  const std::size_t first_ladder = results["ladders"].size();
-  for (const ViewSpec& view : spec.views) maps.views.push_back(run_view(setup, view, results));
-  add_filter_widths(shared.context, plan, buffers, results["ladders"], first_ladder);
-  return maps;
+  const Setup setup{spec,   plan,          scene,         shared.context, buffers,
+                    truths, shared.pieces, shared.inputs, shared.passes};
+  for (const ViewSpec& view : spec.views) run_view(setup, view);
+  for (const Piece& piece : pieces_of(spec, plan)) {
+    if (piece.kind == Piece::Kind::widths && !shared.pieces.has(piece))
+      shared.pieces.keep(piece, measure_filter_widths(shared.context, plan, buffers));
+  }
+}
+
+struct Finished {
+  std::size_t pieces = 0;
+  std::size_t of = 0;
+};
+
+Finished finished_of(const ScenePlan& scene, const PieceStore& pieces) {
+  const std::vector<Piece> all = pieces_of(scene.spec, scene.plan);
+  const auto finished =
+      std::count_if(all.begin(), all.end(), [&](const Piece& piece) { return pieces.has(piece); });
+  return {static_cast<std::size_t>(finished), all.size()};
+}
+
+void say_finished(const std::vector<ScenePlan>& scenes, const PieceStore& pieces) {
+  Finished sum;
+  for (const ScenePlan& scene : scenes) {
+    const Finished finished = finished_of(scene, pieces);
+    sum = {sum.pieces + finished.pieces, sum.of + finished.of};
+  }
+  if (sum.pieces > 0) fmt::print(stderr, "{} of {} pieces are finished\n", sum.pieces, sum.of);
 }
 
 // One scene after the other: of a sweep one for each value.
-std::list<SceneMaps> run_scenes(const ExperimentSpec& spec, const std::vector<ExperimentSpec>& points,
-                                const std::vector<Plan>& plans, const Shared& shared, json& results) {
-  std::list<SceneMaps> maps;
-  std::vector<json> scenes;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (spec.sweep)
+void run_scenes(const ExperimentSpec& spec, const std::vector<ScenePlan>& scenes, const Shared& shared) {
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const Finished finished = finished_of(scenes[i], shared.pieces);
+    if (finished.pieces == finished.of) continue;
+    if (spec.sweep) {
       fmt::print(stderr, "{} = {} ({} of {})\n", spec.sweep->title, spec.sweep->axis[i], i + 1,
-                 points.size());
-    const std::size_t first_view = results["views"].size();
-    const std::size_t first_run = results["runs"].size();
-    maps.push_back(run_scene(points[i], plans[i], shared, results));
-    scenes.push_back(results["scene"]);
-    if (spec.sweep) mark_sweep(spec, i, first_view, first_run, results);
+                 scenes.size());
+    }
+    run_scene(scenes[i], shared);
   }
-  // What is said of the scene is said of the first.
-  results["scene"] = scenes.front();
-  if (spec.sweep) results["sweep"] = sweep_json(*spec.sweep, scenes, results);
-  return maps;
 }
 
 // Plans refer to the experiments.
@@ -135,12 +104,36 @@ std::vector<Plan> make_plans(const std::vector<ExperimentSpec>& points, bool wit
   return plans;
 }
 
+json key_of(const gpu::Context& context, const ExperimentSpec& spec, const RunOptions& options) {
+  json key = provenance(context, spec);
+  key["exports"] = json::array();
+  if (options.export_inputs) key["exports"].push_back("inputs");
+  if (options.export_passes) key["exports"].push_back("passes");
+  return key;
+}
+
+// The pieces that a run goes on from; none, unless that is asked for. Returns what they belong to.
+json start_pieces(PieceStore& pieces, const json& key, bool resume) {
+  const std::optional<json> before = pieces.key();
+  if (!resume || !before) {
+    pieces.clear();
+    pieces.set_key(key);
+    return key;
+  }
+  if (const std::string difference = provenance_difference(*before, key); !difference.empty())
+    throw_input_error({}, "the run that was cut off cannot be resumed: {}; without --resume it starts anew",
+                      difference);
+  return *before;
+}
+
 }  // namespace
 
 RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder, TruthCache* cache,
                           const SourceWrapper& wrap, const RunOptions& options) {
   const std::vector<ExperimentSpec> points = sweep_points(spec);
   const std::vector<Plan> plans = make_plans(points, options.export_inputs);
+  std::vector<ScenePlan> scenes;
+  for (std::size_t i = 0; i < points.size(); ++i) scenes.push_back({points[i], plans[i]});
   const gpu::Context context(options.gl);
   for (const Plan& plan : plans) check_shaders(plan, context);
   const std::filesystem::path inputs = options.export_inputs ? folder / "inputs" : "";
@@ -148,35 +141,27 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const std::filesystem::path passes = options.export_passes ? folder / "passes" : "";
   if (!passes.empty()) make_folder(passes);
 
-  json results = {{"schema", kResultsSchema},
-                  {"experiment",
-                   {{"name", spec.name},
-                    {"question", spec.question},
-                    {"expectation", spec.expectation},
-                    {"source", spec.source}}},
-                  {"profiles", json::array()},
-                  {"views", json::array()},
-                  {"truths", json::array()},
-                  {"fit_errors", json::array()},
-                  {"light_paths", json::array()},
-                  {"runs", json::array()},
-                  {"ladders", json::array()},
-                  {"stability", json::array()}};
-  const std::list<SceneMaps> scenes =
-      run_scenes(spec, points, plans, {context, cache, wrap, inputs, passes}, results);
+  PieceStore pieces(folder);
+  const json key = start_pieces(pieces, key_of(context, spec, options), options.resume);
+  say_finished(scenes, pieces);
+  run_scenes(spec, scenes, {context, cache, wrap, pieces, inputs, passes});
 
+  json results = join_pieces(spec, scenes, pieces);
+  results["schema"] = kResultsSchema;
   const MapRanges ranges = common_ranges(results);
+  const std::vector<ViewPictures> first = pictures_of(scenes.front(), pieces);
   results["maps"] = {{"range", ranges.errors},
                      {"ladder_range", ranges.ladder_steps},
                      {"quantity", "luminance"},
-                     {"exposure", scenes.front().exposure}};
-  results["provenance"] = provenance(context);
+                     {"exposure", first.front().exposure}};
+  results["provenance"] = key;
+  results["provenance"]["finished_utc"] = now_utc();
   const std::vector<std::string> exceeded = exceeded_thresholds(results, spec.thresholds);
   results["exceeded"] = exceeded;
-
-  const std::filesystem::path maps = folder / "maps";
-  make_folder(maps);
-  for (const SceneMaps& scene : scenes) write_maps(scene.views, maps, ranges, scene.exposure);
+  for (const ScenePlan& scene : scenes) {
+    for (const ViewPictures& view : pictures_of(scene, pieces))
+      write_map_pictures(view, pieces.maps(), ranges);
+  }
   write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
   write_text_file(folder / "results.csv", results_csv(results));
   write_text_file(folder / "results.json", results.dump(1) + "\n");

@@ -15,6 +15,7 @@ struct RunOptions {
   bool export_inputs =
       false;  // writes what methods are given of each view to inputs/, and skips what has no picture
   bool export_passes = false;  // writes the textures that methods name on their way to passes/
+  bool resume = false;         // goes on from the finished pieces in the folder, if there are any
 };
 
 // What a run ended with.
@@ -23,7 +24,9 @@ struct RunOutcome {
 };
 
 // Runs an experiment and writes results.json, results.csv, experiment.resolved.toml and maps/ into `folder`,
-// which must be there. Throws Error: input as it is found, run for a failed audit, the driver or the disk.
+// which must be there. What is finished on the way is kept in pieces/ (PieceStore), which stays. Throws
+// Error: input as it is found, and where the pieces to go on from were computed by another program, on
+// another machine or of another experiment; run for a failed audit, the driver or the disk.
 // `cache`: where truths are looked for first and kept; null for none. `wrap`: for tests of what a run does
 // with an engine that errs.
 RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder,

@@ -116,14 +116,18 @@ json spread_json(const Followed& followed, std::size_t quantity, double largest_
 
 class StabilityRunner {
  public:
-  StabilityRunner(const Setup& setup, const ViewSpec& view, json& results)
-      : setup_(setup), view_(view), results_(results) {
+  StabilityRunner(const Setup& setup, const ViewSpec& view) : setup_(setup), view_(view) {
     const FrameImages images = read_frame(setup.context, frame_of(camera_of(view)));
     points_ = followed_points(setup.scene, images, *setup.spec.stability);
   }
 
-  void run() {
+  json run() {
+    for (const Profile& profile : setup_.plan.profiles) {
+      for (const PlannedMethod& planned : setup_.plan.methods)
+        runs_.push_back({{"profile", profile.name}, {"label", planned.label}});
+    }
     for (const DerivedViews& derived : derived_views(view_, *setup_.spec.stability)) follow(derived);
+    return {{"stability", kinds_}, {"runs", runs_}};
   }
 
  private:
@@ -146,11 +150,9 @@ class StabilityRunner {
       measure(camera);
       progress.advance();
     }
-    for (std::size_t p = 0; p < setup_.plan.profiles.size(); ++p) {
-      for (std::size_t m = 0; m < setup_.plan.methods.size(); ++m)
-        put(setup_.plan.profiles[p], setup_.plan.methods[m], derived.kind, of(p, m));
-    }
-    results_["stability"].push_back(done_);
+    for (std::size_t r = 0; r < runs_.size(); ++r)
+      put(setup_.plan.methods[r % setup_.plan.methods.size()], derived.kind, followed_[r], runs_[r]);
+    kinds_.push_back(done_);
   }
 
   Followed& of(std::size_t profile, std::size_t method) {
@@ -198,32 +200,25 @@ class StabilityRunner {
     return is_skipped(planned, setup_.surface.has_uvs()) ? "this method needs UVs" : "";
   }
 
-  void put(const Profile& profile, const PlannedMethod& planned, const std::string& kind,
-           const Followed& followed) {
-    for (json& run : results_["runs"]) {
-      const bool is_this = run["view"] == view_.name && run["profile"] == profile.name &&
-                           run["label"] == planned.label && run.contains("metrics");
-      if (!is_this) continue;
-      json& metrics = run["metrics"];
-      if (const std::string reason = missing(planned); !reason.empty()) {
-        metrics["stability"] = nullptr;
-        metrics["stability_reason"] = reason;
-        continue;
-      }
-      const auto spread = [&](std::size_t quantity) {
-        return spread_json(followed, quantity, setup_.scene.largest_irradiance);
-      };
-      metrics["stability"][kind] = spread(0);
-      for (std::size_t q = 1; q < kQuantities.size(); ++q)
-        metrics["channels"][std::string(name_of(kQuantities[q]))]["stability"][kind] = spread(q);
+  void put(const PlannedMethod& planned, const std::string& kind, const Followed& followed, json& run) const {
+    if (const std::string reason = missing(planned); !reason.empty()) {
+      run["metrics"] = {{"stability", nullptr}, {"stability_reason", reason}};
+      return;
     }
+    const auto spread = [&](std::size_t quantity) {
+      return spread_json(followed, quantity, setup_.scene.largest_irradiance);
+    };
+    run["metrics"]["stability"][kind] = spread(0);
+    for (std::size_t q = 1; q < kQuantities.size(); ++q)
+      run["metrics"]["channels"][std::string(name_of(kQuantities[q]))]["stability"][kind] = spread(q);
   }
 
   const Setup& setup_;
   const ViewSpec& view_;
-  json& results_;
   std::vector<FollowedPoint> points_;
   std::vector<Followed> followed_;  // of the current kind, by profile and method
+  json kinds_ = json::array();
+  json runs_ = json::array();  // by profile and method
   json done_;
 };
 
@@ -282,8 +277,8 @@ std::vector<SeenPoint> seen_points(const std::vector<FollowedPoint>& points, con
   return seen;
 }
 
-void add_stability(const Setup& setup, const ViewSpec& view, json& results) {
-  StabilityRunner(setup, view, results).run();
+json measure_stability(const Setup& setup, const ViewSpec& view) {
+  return StabilityRunner(setup, view).run();
 }
 
 }  // namespace truescatter

@@ -46,11 +46,12 @@ struct SeenPoint {
 std::vector<SeenPoint> seen_points(const std::vector<FollowedPoint>& points, const PreparedScene& scene,
                                    const FrameImages& images, const Camera& camera);
 
-// Does it for one view, whose runs are in `results`: puts `metrics.stability.{orbit,dolly,jitter}` into each
-// of them, and appends to stability[] what was done. In units of the largest irradiance: RMS, 95 % quantile
-// and maximum over the points of the spread of a point's error (ErrorSpread); relative ones are over the RMS
-// of the truth at the same pixels. The truths of derived views are computed and audited as any other, where a
-// sample of points is followed at their pixels alone. Throws Error (run) for a failed audit or the driver.
-void add_stability(const Setup& setup, const ViewSpec& view, nlohmann::json& results);
+// Does it for one view. `runs`: of every profile and method, `metrics.stability.{orbit,dolly,jitter}`, which
+// its run is to be given; `stability`: what was done, an entry for each kind. In units of the
+// largest irradiance: RMS, 95 % quantile and maximum over the points of the spread of a point's error
+// (ErrorSpread); relative ones are over the RMS of the truth at the same pixels. The truths of derived views
+// are computed and audited as any other, where a sample of points is followed at their pixels alone. Throws
+// Error (run) for a failed audit or the driver.
+nlohmann::json measure_stability(const Setup& setup, const ViewSpec& view);
 
 }  // namespace truescatter

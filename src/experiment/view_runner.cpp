@@ -4,17 +4,20 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <list>
 #include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "core/image_io.h"
 #include "core/progress.h"
 #include "experiment/draw_method.h"
 #include "experiment/frame_files.h"
 #include "experiment/ladder.h"
 #include "experiment/light_path_sample.h"
 #include "experiment/lit_alone.h"
+#include "experiment/map_files.h"
 #include "experiment/metrics_json.h"
 #include "experiment/own_method.h"
 #include "experiment/pass_files.h"
@@ -191,11 +194,10 @@ Image albedo_of_view(const PreparedScene& scene, const FrameImages& images, doub
 
 class ViewRunner {
  public:
-  ViewRunner(const Setup& setup, const ViewSpec& view, json& results)
+  ViewRunner(const Setup& setup, const ViewSpec& view)
       : setup_(setup),
         view_(view),
         name_(view.name),
-        results_(results),
         frame_(render_frame(setup.context, setup.surface, setup.scene.shading, camera_of(view))),
         images_(read_frame(setup.context, frame_)),
         median_depth_mm_(median_skin_depth_mm(images_)),
@@ -205,42 +207,71 @@ class ViewRunner {
             find_contours({images_.mask, images_.position, images_.face_normal, frame_.camera.focal_px()})) {
     if (setup.spec.metrics.seam && setup.scene.mesh.has_uvs())
       uv_view_ = uv_view(setup.scene.mesh, setup.scene.shading, frame_.camera, images_);
-    maps_.name = view.name;
-    maps_.irradiance = images_.irradiance;
-    maps_.mask = images_.mask;
-    maps_.measured = images_.mask;
-    maps_.albedo = albedo_of_view(setup.scene, images_, 1.0 - setup.spec.scene.albedo_exponent_before());
+    albedo_ = albedo_of_view(setup.scene, images_, 1.0 - setup.spec.scene.albedo_exponent_before());
   }
 
-  ViewMaps run() {
-    results_["views"].push_back({{"name", name_},
-                                 {"width_px", frame_.camera.width_px},
-                                 {"height_px", frame_.camera.height_px},
-                                 {"skin_pixels", truth_.points().size()},
-                                 {"median_skin_depth_mm", median_depth_mm_},
-                                 {"mm_per_px", mm_per_px()},
-                                 {"camera", camera_json(view_)},
-                                 {"color_bar", color_bar_json(frame_.camera)},
-                                 {"files", {{"irradiance", "maps/" + name_ + ".irradiance.png"}}}});
-    if (!setup_.inputs.empty()) add_frame_files();
+  // Computes what of this view is not finished yet.
+  void run() {
     if (truth_.points().size() == 0)
       throw_input_error({setup_.spec.file.string()}, "view '{}' sees no skin", name_);
+    if (!is_kept({Piece::Kind::view, name_})) keep_view();
+    const bool all_kept = std::all_of(setup_.plan.profiles.begin(), setup_.plan.profiles.end(),
+                                      [&](const Profile& profile) { return is_kept(profile); });
+    if (all_kept) return;
     compute_truths();
     if (setup_.spec.metrics.leak) measure_leaks();
     Progress progress(fmt::format("view {}: methods", name_),
                       setup_.plan.profiles.size() * setup_.plan.methods.size());
     for (const Profile& profile : setup_.plan.profiles) {
-      measure_profile(profile, progress);
+      if (is_kept(profile)) {
+        progress.advance(setup_.plan.methods.size());
+      } else {
+        measure_profile(profile, progress);
+      }
     }
-    return std::move(maps_);
   }
 
  private:
-  void add_frame_files() {
-    write_frame(setup_.inputs, name_, frame_.camera, images_);
-    json& files = results_["views"].back()["files"];
-    files["inputs"] = "inputs/" + name_ + ".exr";
-    files["camera"] = "inputs/" + name_ + ".json";
+  bool is_kept(const Piece& piece) const { return setup_.pieces.has(piece); }
+
+  // All pieces of this profile in this view.
+  bool is_kept(const Profile& profile) const {
+    const Plan& plan = setup_.plan;
+    return is_kept(truth_piece(profile)) &&
+           std::all_of(plan.methods.begin(), plan.methods.end(),
+                       [&](const PlannedMethod& m) { return is_kept(run_piece(profile, m.label)); }) &&
+           std::all_of(plan.ladders.begin(), plan.ladders.end(),
+                       [&](const LadderSpec& l) { return is_kept(ladder_piece(profile, l)); });
+  }
+
+  Piece truth_piece(const Profile& profile) const { return {Piece::Kind::truth, name_, profile.name}; }
+  Piece run_piece(const Profile& profile, const std::string& label) const {
+    return {Piece::Kind::run, name_, profile.name, label};
+  }
+  Piece ladder_piece(const Profile& profile, const LadderSpec& ladder) const {
+    return {Piece::Kind::ladder, name_, profile.name, ladder.name};
+  }
+
+  void keep_view() {
+    json view = {{"name", name_},
+                 {"width_px", frame_.camera.width_px},
+                 {"height_px", frame_.camera.height_px},
+                 {"skin_pixels", truth_.points().size()},
+                 {"median_skin_depth_mm", median_depth_mm_},
+                 {"mm_per_px", mm_per_px()},
+                 {"camera", camera_json(view_)},
+                 {"color_bar", color_bar_json(frame_.camera)},
+                 {"files", {{"irradiance", "maps/" + name_ + ".irradiance.png"}}}};
+    if (!setup_.inputs.empty()) {
+      write_frame(setup_.inputs, name_, frame_.camera, images_);
+      view["files"]["inputs"] = "inputs/" + name_ + ".exr";
+      view["files"]["camera"] = "inputs/" + name_ + ".json";
+    }
+    const Piece piece{Piece::Kind::view, name_};
+    write_view_maps(setup_.pieces.picture(piece), {images_.irradiance, images_.mask, albedo_});
+    setup_.pieces.keep(
+        piece,
+        {{"view", view}, {"scene", scene_json(setup_.spec, setup_.scene)}, {"exposure", setup_.exposure()}});
   }
 
   double mm_per_px() const { return median_depth_mm_ / frame_.camera.focal_px(); }
@@ -276,21 +307,19 @@ class ViewRunner {
 
   void measure_profile(const Profile& profile, Progress& progress) {
     const ProfileTruths truths = assemble(profile);
-    if (setup_.spec.truth.light_paths > 0) add_light_paths(profile);
     const TruthImage& headline = truths.headline().image;
     const FlipReference flip(exposed(headline.rgb, setup_.exposure()));
     const HdrFlipReference flip_hdr(headline.rgb, truths.headline().mask, known_light());
-    add_truths(profile, truths);
     const std::optional<ViewedModel> model = view_model(profile, truths.headline());
-    if (model) add_model(profile, truths.headline(), *model);
+    const ViewedModel* of = model ? &*model : nullptr;
+    if (!is_kept(truth_piece(profile))) keep_truths(profile, truths, of);
     for (const PlannedMethod& m : setup_.plan.methods) {
-      measure_method(m, {profile, truths, flip, flip_hdr, model ? &*model : nullptr});
+      if (!is_kept(run_piece(profile, m.label))) keep_run(m, {profile, truths, flip, flip_hdr, of});
       progress.advance();
     }
-    for (const LadderSpec& ladder : setup_.plan.ladders) add_ladder(ladder, profile, truths);
-    drawn_.clear();
-    // Maps show what is measured under every profile.
-    maps_.measured = measured_mask(std::move(maps_.measured), headline.smallest_mass);
+    for (const LadderSpec& ladder : setup_.plan.ladders) {
+      if (!is_kept(ladder_piece(profile, ladder))) keep_ladder(ladder, profile, truths);
+    }
   }
 
   ProfileTruths assemble(const Profile& profile) {
@@ -330,14 +359,13 @@ class ViewRunner {
     return *light_paths_;
   }
 
-  void add_light_paths(const Profile& profile) {
+  json light_paths_json(const Profile& profile) {
     const std::string obstacle = setup_.truths.obstacle(OwnTarget{.geodesic = true});
-    results_["light_paths"].push_back(obstacle.empty()
-                                          ? light_paths(profile).parts(name_, setup_.spec.truth.tolerance)
-                                          : json{{"view", name_},
-                                                 {"profile", profile.name},
-                                                 {"r_max_mm", profile.r_max_mm},
-                                                 {"not_computed", obstacle}});
+    return obstacle.empty() ? light_paths(profile).parts(name_, setup_.spec.truth.tolerance)
+                            : json{{"view", name_},
+                                   {"profile", profile.name},
+                                   {"r_max_mm", profile.r_max_mm},
+                                   {"not_computed", obstacle}};
   }
 
   // At how many pixels a truth is known.
@@ -347,8 +375,19 @@ class ViewRunner {
     return target.transmittance ? std::min(sampled, all) : all;
   }
 
-  void add_truths(const Profile& profile, const ProfileTruths& truths) {
-    const std::string stem = name_ + "." + profile.name + ".truth";
+  void keep_truths(const Profile& profile, const ProfileTruths& truths, const ViewedModel* model) {
+    json kept = {{"truths", truths_json(profile, truths)},
+                 {"fit_errors", json::array()},
+                 {"light_paths", json::array()}};
+    if (setup_.spec.truth.light_paths > 0) kept["light_paths"].push_back(light_paths_json(profile));
+    if (model != nullptr) add_model(profile, truths.headline(), *model, kept);
+    setup_.pieces.keep(truth_piece(profile), kept);
+  }
+
+  // The truths of a profile's Gaussians, the headline's pictures written.
+  json truths_json(const Profile& profile, const ProfileTruths& truths) {
+    const std::string stem = truth_piece(profile).stem();
+    json all = json::array();
     for (const ViewedTruth& viewed : truths.all) {
       if (!viewed.missing.empty()) continue;
       json truth = truth_json(name_, viewed.planned, viewed.image, truth_.audited());
@@ -362,10 +401,12 @@ class ViewRunner {
       truth["low_mass_pixels"] = points_of(viewed.planned.target) - skin_pixels(viewed.mask);
       if (viewed.planned.is_headline())
         truth["files"] = {{"picture", "maps/" + stem + ".png"}, {"exr", "maps/" + stem + ".exr"}};
-      results_["truths"].push_back(truth);
+      all.push_back(truth);
     }
     const TruthImage& headline = truths.headline().image;
-    maps_.truths.push_back({stem, headline.rgb, headline.smallest_mass});
+    write_truth_maps(setup_.pieces.maps() / (stem + ".exr"),
+                     {headline.rgb, headline.smallest_mass, images_.irradiance, images_.mask, {}});
+    return all;
   }
 
   std::optional<ViewedModel> view_model(const Profile& profile, const ViewedTruth& headline) const {
@@ -376,8 +417,8 @@ class ViewRunner {
   }
 
   // The two truths of the profile itself, and the error of its Gaussians: the headline against it.
-  void add_model(const Profile& profile, const ViewedTruth& headline, const ViewedModel& viewed) {
-    const std::string stem = name_ + "." + profile.name + ".truth.profile";
+  void add_model(const Profile& profile, const ViewedTruth& headline, const ViewedModel& viewed, json& kept) {
+    const std::string stem = profile_truth_stem(truth_piece(profile));
     const TruthImage& itself = viewed.truth.normalised;
     for (const bool normalised : {true, false}) {
       json truth = model_truth_json(name_, profile, viewed.model, normalised, viewed.truth, truth_.audited());
@@ -386,7 +427,7 @@ class ViewRunner {
           normalised ? skin_pixels(images_.mask) - skin_pixels(viewed.mask) : std::size_t{0};
       if (normalised)
         truth["files"] = {{"picture", "maps/" + stem + ".png"}, {"exr", "maps/" + stem + ".exr"}};
-      results_["truths"].push_back(truth);
+      kept["truths"].push_back(truth);
     }
     json fit = {{"view", name_},
                 {"profile", profile.name},
@@ -396,40 +437,46 @@ class ViewRunner {
                 {"metrics", error_stats_json(headline.image.rgb, itself.rgb, viewed.mask)},
                 {"files", {{"signed", "maps/" + stem + ".signed.png"}}}};
     put_distinguishable(fit, itself.certificate.uncertainty() + headline.image.certificate.uncertainty());
-    results_["fit_errors"].push_back(fit);
-    maps_.truths.push_back(
-        {stem, itself.rgb, itself.smallest_mass, signed_error(headline.image.rgb, itself.rgb, images_.mask)});
+    kept["fit_errors"].push_back(fit);
+    write_truth_maps(setup_.pieces.maps() / (stem + ".exr"),
+                     {itself.rgb, itself.smallest_mass, images_.irradiance, images_.mask,
+                      signed_error(headline.image.rgb, itself.rgb, images_.mask)});
   }
 
-  void measure_method(const PlannedMethod& planned, const Comparison& against) {
-    const Method& method = *planned.method;
-    const Profile& profile = against.profile;
+  void keep_run(const PlannedMethod& planned, const Comparison& against) {
+    const Piece piece = run_piece(against.profile, planned.label);
     json run = {{"scene", setup_.spec.scene.mesh},
                 {"view", name_},
-                {"method", method.name},
+                {"method", planned.method->name},
                 {"label", planned.label},
-                {"title", method.title},
-                {"source", method.source},
-                {"profile", profile.name},
+                {"title", planned.method->title},
+                {"source", planned.method->source},
+                {"profile", against.profile.name},
                 {"settings", settings_json(planned.settings)},
-                {"truth", truth_id(name_, profile, OwnTarget{})}};
-    if (is_skipped(planned, setup_.surface.has_uvs())) {
-      run["skipped"] = "this method needs UVs, and the mesh has none";
-      results_["runs"].push_back(run);
-      return;
+                {"truth", truth_id(name_, against.profile, OwnTarget{})}};
+    const std::string skipped = why_skipped(planned, against.profile);
+    if (skipped.empty()) {
+      measure_method(planned, against, piece, run);
+    } else {
+      run["skipped"] = skipped;
     }
-    if (const std::string missing = missing_picture(setup_.spec, planned, name_, profile.name);
-        !missing.empty()) {
-      run["skipped"] = missing;
-      results_["runs"].push_back(run);
-      return;
-    }
-    const Measured measured = measure(planned, profile);
+    setup_.pieces.keep(piece, run);
+  }
+
+  // Empty: it is not.
+  std::string why_skipped(const PlannedMethod& planned, const Profile& profile) const {
+    if (is_skipped(planned, setup_.surface.has_uvs())) return "this method needs UVs, and the mesh has none";
+    return missing_picture(setup_.spec, planned, name_, profile.name);
+  }
+
+  void measure_method(const PlannedMethod& planned, const Comparison& against, const Piece& piece,
+                      json& run) {
+    const Measured measured = measure(planned, against.profile);
     run["cost"] = measured.cost;
     if (measured.cost.is_null()) run["cost_reason"] = "a picture made elsewhere: nothing of it ran here";
     add_metrics(run, measured.exitance, against);
     if (setup_.spec.metrics.leak) add_leak(run, planned, against.truths.headline());
-    const OwnTarget own = method.own_target(profile, planned.settings);
+    const OwnTarget own = planned.method->own_target(against.profile, planned.settings);
     run["own_target"] = error_against(against.truths.of(own), measured.exitance);
     if (own.transmittance)
       add_headline_there(run["own_target"], against.truths.of(own), measured.exitance, against);
@@ -437,10 +484,8 @@ class ViewRunner {
       if (truth.planned.extra) run["extra_targets"].push_back(error_against(truth, measured.exitance));
     }
     if (against.model != nullptr) run["profile_error"] = profile_error(measured.exitance, against);
-    add_maps(run, profile.name + "." + planned.label, measured.exitance, against);
+    add_maps(run, piece.stem(), measured.exitance, against);
     if (!measured.passes.is_null()) run["files"]["passes"] = measured.passes;
-    if (!setup_.plan.ladders.empty()) drawn_[planned.label] = measured.exitance;
-    results_["runs"].push_back(run);
   }
 
   // A ladder's rungs, or why one of them is missing.
@@ -450,29 +495,36 @@ class ViewRunner {
     std::string missing;
   };
 
-  Rungs rungs_of(const LadderSpec& ladder, const Profile& profile, const ProfileTruths& truths) const {
+  // `drawn` receives the runs' pictures, which the rungs refer to.
+  Rungs rungs_of(const LadderSpec& ladder, const Profile& profile, const ProfileTruths& truths,
+                 std::list<Image>& drawn) const {
     Rungs rungs{{}, truths.headline().mask, ""};
     for (const LadderSpec::Rung& rung : ladder.rungs) {
       if (rung.truth.empty()) {
-        const auto drawn = drawn_.find(rung.method);
-        if (drawn == drawn_.end()) return {{}, {}, fmt::format("'{}' was not run", rung.method)};
-        rungs.all.push_back({rung.method, rung.assumption, &drawn->second});
+        const Piece piece = run_piece(profile, rung.method);
+        if (setup_.pieces.read(piece).contains("skipped"))
+          return {{}, {}, fmt::format("'{}' was not run", rung.method)};
+        drawn.push_back(read_exr_layer(setup_.pieces.maps() / (piece.stem() + ".exr"), ""));
+        rungs.all.push_back({rung.name(), rung.assumption, &drawn.back()});
         continue;
       }
       const ViewedTruth& truth = truths.of(rung_target(rung, profile));
       if (!truth.missing.empty()) return {{}, {}, truth.missing};
-      rungs.all.push_back({"truth-" + rung.truth, rung.assumption, &truth.image.rgb});
+      rungs.all.push_back({rung.name(), rung.assumption, &truth.image.rgb});
       rungs.mask = measured_mask(std::move(rungs.mask), truth.image.smallest_mass);
     }
     return rungs;
   }
 
-  void add_ladder(const LadderSpec& ladder, const Profile& profile, const ProfileTruths& truths) {
+  // Every run of this profile is kept.
+  void keep_ladder(const LadderSpec& ladder, const Profile& profile, const ProfileTruths& truths) {
+    const Piece piece = ladder_piece(profile, ladder);
     json result = {{"view", name_}, {"profile", profile.name}, {"name", ladder.name}};
-    const Rungs rungs = rungs_of(ladder, profile, truths);
+    std::list<Image> drawn;
+    const Rungs rungs = rungs_of(ladder, profile, truths, drawn);
     if (!rungs.missing.empty()) {
       result["skipped"] = rungs.missing;
-      results_["ladders"].push_back(result);
+      setup_.pieces.keep(piece, result);
       return;
     }
     const Image& first = *rungs.all.front().exitance;
@@ -480,15 +532,16 @@ class ViewRunner {
     const HdrFlipReference flip_hdr(first, rungs.mask, known_light());
     result.update(ladder_json(rungs.all, {first, rungs.mask, contours_, profile.widest_std_dev_mm(),
                                           mm_per_px(), flip, setup_.exposure(), flip_hdr}));
-    maps_.ladders.push_back({fmt::format("{}.{}.ladder-{}", name_, profile.name, ladder.name), {}});
-    ViewMaps::Ladder& maps = maps_.ladders.back();
+    std::list<LadderStep> steps;
     for (std::size_t r = 1; r < rungs.all.size(); ++r) {
       const LadderRung& rung = rungs.all[r];
-      maps.steps.push_back({rung.name, ladder_step(rung, rungs.all[r - 1], rungs.mask)});
-      result["rungs"][r]["files"] = {{"signed", "maps/" + step_file(maps.stem, rung.name)}};
+      steps.push_back({rung.name, ladder_step(rung, rungs.all[r - 1], rungs.mask)});
+      result["rungs"][r]["files"] = {{"signed", "maps/" + step_file(piece.stem(), rung.name)}};
     }
-    result["files"] = {{"exr", "maps/" + maps.stem + ".exr"}};
-    results_["ladders"].push_back(result);
+    const std::string file = piece.stem() + ".exr";
+    write_ladder_maps(setup_.pieces.maps() / file, images_.mask, steps);
+    result["files"] = {{"exr", "maps/" + file}};
+    setup_.pieces.keep(piece, result);
   }
 
   Measured measure(const PlannedMethod& planned, const Profile& profile) const {
@@ -499,8 +552,8 @@ class ViewRunner {
               {}};
     const MethodInputs inputs{setup_.context,   frame_,  setup_.surface,
                               median_depth_mm_, profile, planned.settings};
-    const std::string stem = name_ + "." + profile.name + "." + planned.label;
-    Measured measured = draw_and_time(setup_, inputs, *planned.method, {truth_.points().size(), stem});
+    Measured measured = draw_and_time(setup_, inputs, *planned.method,
+                                      {truth_.points().size(), run_piece(profile, planned.label).stem()});
     if (planned.method->check) check_finite(planned.method->name, measured.exitance, images_.mask);
     return measured;
   }
@@ -517,8 +570,8 @@ class ViewRunner {
     put_distinguishable(run, truth);
     if (setup_.spec.scene.albedo.empty()) return;
     // What leaves the surface with all of its albedo: in this, texturing before and after can be compared.
-    run["textured"] = {{"metrics", error_stats_json(textured(exitance, maps_.albedo),
-                                                    textured(truth.image.rgb, maps_.albedo), truth.mask)}};
+    run["textured"] = {{"metrics", error_stats_json(textured(exitance, albedo_),
+                                                    textured(truth.image.rgb, albedo_), truth.mask)}};
   }
 
   // The connected pieces of skin that are seen.
@@ -551,6 +604,7 @@ class ViewRunner {
       for (const Profile& profile : setup_.plan.profiles) {
         for (const PlannedMethod& planned : setup_.plan.methods) {
           if (planned.pictures != nullptr || is_skipped(planned, surface.has_uvs())) continue;
+          if (is_kept(run_piece(profile, planned.label))) continue;
           const Image exitance = draw_method(
               *planned.method, {setup_.context, frame, surface, median_depth_mm_, profile, planned.settings});
           leaks_[{profile.name, planned.label}].push_back(measure_dark(component, exitance, dark));
@@ -632,23 +686,20 @@ class ViewRunner {
         {"headline_metrics", error_stats_json(exitance, against.truths.headline().image.rgb, truth.mask)}};
   }
 
-  void add_maps(json& run, const std::string& name, const Image& exitance, const Comparison& against) {
-    const std::string stem = name_ + "." + name;
+  void add_maps(json& run, const std::string& stem, const Image& exitance, const Comparison& against) const {
     run["files"] = {{"picture", "maps/" + stem + ".png"},
                     {"magnitude", "maps/" + stem + ".abs.png"},
                     {"signed", "maps/" + stem + ".signed.png"},
                     {"exr", "maps/" + stem + ".exr"}};
-    maps_.runs.push_back(
-        {stem, exitance, signed_error(exitance, against.truths.headline().image.rgb, images_.mask), {}});
-    if (against.model != nullptr)
-      maps_.runs.back().profile_error =
-          signed_error(exitance, against.model->truth.normalised.rgb, images_.mask);
+    const auto error_from = [&](const Image& truth) { return signed_error(exitance, truth, images_.mask); };
+    write_run_maps(setup_.pieces.maps() / (stem + ".exr"),
+                   {exitance, error_from(against.truths.headline().image.rgb), images_.mask,
+                    against.model == nullptr ? Image() : error_from(against.model->truth.normalised.rgb)});
   }
 
   const Setup& setup_;
   const ViewSpec& view_;
   std::string name_;
-  json& results_;
   Frame frame_;
   FrameImages images_;
   double median_depth_mm_;
@@ -661,18 +712,26 @@ class ViewRunner {
   std::optional<LightPathSample> light_paths_;
   std::pair<const Profile*, double> light_paths_of_;
   std::optional<UvView> uv_view_;  // where the seam's metrics were asked for and the mesh has UVs
-  ViewMaps maps_;
-  std::map<std::string, Image> drawn_;  // under the current profile, by the methods' labels; for ladders
+  Image albedo_;                   // what of it comes after the scattering; empty where nothing does
 };
+
+// Whether all that ViewRunner would do is done.
+bool is_finished(const Setup& setup, const ViewSpec& view) {
+  const std::vector<Piece> all = pieces_of(setup.spec, setup.plan);
+  return std::all_of(all.begin(), all.end(), [&](const Piece& piece) {
+    const bool other =
+        piece.view != view.name || piece.kind == Piece::Kind::stability || piece.kind == Piece::Kind::widths;
+    return other || setup.pieces.has(piece);
+  });
+}
 
 }  // namespace
 
-ViewMaps run_view(const Setup& setup, const ViewSpec& view, json& results) {
-  ViewMaps maps = ViewRunner(setup, view, results).run();
-  const std::optional<StabilitySpec>& stability = setup.spec.stability;
-  if (stability && (stability->view.empty() || stability->view == view.name))
-    add_stability(setup, view, results);
-  return maps;
+void run_view(const Setup& setup, const ViewSpec& view) {
+  if (!is_finished(setup, view)) ViewRunner(setup, view).run();
+  const Piece stability{Piece::Kind::stability, view.name};
+  if (setup.spec.stability && setup.spec.stability->of(view) && !setup.pieces.has(stability))
+    setup.pieces.keep(stability, measure_stability(setup, view));
 }
 
 }  // namespace truescatter

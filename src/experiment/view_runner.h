@@ -1,9 +1,8 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
-#include "experiment/map_files.h"
+#include "experiment/pieces.h"
 #include "experiment/plan.h"
 #include "experiment/scene_setup.h"
 #include "experiment/scene_truths.h"
@@ -12,7 +11,7 @@
 
 namespace truescatter {
 
-// What stays the same for all runs of an experiment.
+// What stays the same for all runs of a scene.
 struct Setup {
   const ExperimentSpec& spec;
   const Plan& plan;
@@ -20,6 +19,7 @@ struct Setup {
   const gpu::Context& context;
   const SurfaceBuffers& surface;
   const SceneTruths& truths;
+  const PieceStore& pieces;
   std::filesystem::path inputs = {};  // the folder for what methods are given; empty: it is not written
   std::filesystem::path passes =
       {};  // the folder for the textures that methods name; empty: they are not written
@@ -27,10 +27,10 @@ struct Setup {
   double exposure() const { return 1.0 / scene.largest_irradiance; }
 };
 
-// Renders a view, computes its truths, draws, times and measures every method under every profile. Appends to
-// views[], truths[] and runs[] of `results`, and returns the pictures.
+// Renders a view, computes its truths, draws, times and measures every method under every profile, and keeps
+// each piece as it is finished; those that are kept already are not computed again.
 // Throws Error: input for a view that sees no skin or a user's shader that gives no number, run for a failed
-// audit or the driver.
-ViewMaps run_view(const Setup& setup, const ViewSpec& view, nlohmann::json& results);
+// audit, the driver or the disk.
+void run_view(const Setup& setup, const ViewSpec& view);
 
 }  // namespace truescatter

@@ -5,9 +5,11 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <optional>
 
 #include "core/file.h"
+#include "experiment/pieces.h"
 #include "support/error_of.h"
 #include "support/temp_dir.h"
 
@@ -209,6 +211,73 @@ TEST_F(ResultFolderTest, AFailureToPublishIsARunError) {
   const auto error = error_of([&] { results->publish(); });
   ASSERT_TRUE(error.has_value());
   EXPECT_EQ(error->kind(), ErrorKind::run);
+}
+
+// What --resume goes on from: the folder whose pieces are the latest.
+class ResumedFolderTest : public ResultFolderTest {
+ protected:
+  void write_left(const std::string& name, const std::string& piece) const {
+    fs::create_directories(folder_.path() / name / "maps");
+    const PieceStore pieces(folder_.path() / name);
+    pieces.set_key({{"commit", "1"}});
+    pieces.keep({Piece::Kind::view, piece}, {{"name", piece}});
+  }
+};
+
+TEST_F(ResumedFolderTest, TakesOverWhatIsLeftAndPublishesIt) {
+  write_left(kLeft, "front");
+  folder_.write(std::string(kLeft) + "/maps/.a.4194305.part.exr", "half a picture");
+  {
+    ResultFolder results(out(), true);
+    EXPECT_TRUE(PieceStore(results.working()).has({Piece::Kind::view, "front"}));
+    EXPECT_TRUE(fs::is_empty(results.working() / "maps"));
+    results.publish();
+  }
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"out"});
+  EXPECT_FALSE(fs::exists(out() / "pieces"));
+}
+
+TEST_F(ResumedFolderTest, WithoutPublishingItStays) {
+  write_left(kLeft, "front");
+  { const ResultFolder results(out(), true); }
+  ASSERT_EQ(folder_.names().size(), 1U);
+  EXPECT_TRUE(has_pieces(folder_.path() / folder_.names().front()));
+}
+
+TEST_F(ResumedFolderTest, WithoutResumeItStaysUntilAnotherIsPublished) {
+  write_left(kLeft, "front");
+  {
+    const ResultFolder results(out());
+    EXPECT_FALSE(has_pieces(results.working()));
+  }
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{kLeft});
+  ResultFolder results(out());
+  results.publish();
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"out"});
+}
+
+TEST_F(ResumedFolderTest, OfSeveralTheLatest) {
+  write_left(kLeft, "older");
+  fs::last_write_time(folder_.path() / kLeft / "pieces",
+                      fs::file_time_type::clock::now() - std::chrono::hours(1));
+  write_left(".out.4194306.part", "newer");
+  ResultFolder results(out(), true);
+  EXPECT_TRUE(PieceStore(results.working()).has({Piece::Kind::view, "newer"}));
+  results.publish();
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"out"});
+}
+
+TEST_F(ResumedFolderTest, NotWhatAnotherProcessWorksIn) {
+  write_left(kLeft, "front");
+  const int held = open((folder_.path() / kLeft).c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(flock(held, LOCK_EX | LOCK_NB), 0);
+  {
+    ResultFolder results(out(), true);
+    EXPECT_FALSE(has_pieces(results.working()));
+    results.publish();
+  }
+  EXPECT_TRUE(has_pieces(folder_.path() / kLeft));
+  close(held);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiment/join_pieces.h"
 #include "experiment/view_truth.h"
 #include "support/temp_dir.h"
 
@@ -13,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// What add_stability works on, of an experiment's text.
+// What measure_stability works on, of an experiment's text.
 class StagedRun {
  public:
   StagedRun(const TempDir& folder, const std::string& text)
@@ -25,12 +26,16 @@ class StagedRun {
 
   // Its first view's runs, by their methods' labels.
   std::map<std::string, json> run() {
-    const Setup setup{spec, plan, scene, context_, buffers, truths};
-    json results;
-    run_view(setup, spec.views.front(), results);
+    const TempDir working;
+    const PieceStore pieces(working.path());
+    const Setup setup{spec, plan, scene, context_, buffers, truths, pieces};
+    for (const ViewSpec& view : spec.views) run_view(setup, view);
+    const json results = join_pieces(spec, {{spec, plan}}, pieces);
     stability = results["stability"];
     std::map<std::string, json> runs;
-    for (const json& run : results["runs"]) runs[run["label"]] = run;
+    for (const json& run : results["runs"]) {
+      if (run["view"] == spec.views.front().name) runs[run["label"]] = run;
+    }
     return runs;
   }
 
