@@ -21,7 +21,7 @@ find_package(glog REQUIRED)
 file(STRINGS ${CERES_INCLUDE_DIR}/ceres/version.h parts REGEX "define CERES_VERSION_(MAJOR|MINOR|REVISION) [0-9]+")
 string(REGEX REPLACE "[^;]* ([0-9]+)" "\\1" parts "${parts}")
 list(JOIN parts "." CERES_VERSION)
-file(STRINGS ${OPENMESH_CONFIG_DIR}/OpenMesh/Core/System/config.h number REGEX "define OM_VERSION 0x")
+file(STRINGS ${OPENMESH_CONFIG_DIR}/OpenMesh/Core/System/config.h number REGEX "^#define OM_VERSION 0x")
 string(REGEX REPLACE ".*0x(.)(.).*" "\\1.\\2" OPENMESH_VERSION "${number}")
 add_library(ceres_shared SHARED IMPORTED)
 set_target_properties(ceres_shared PROPERTIES

@@ -81,7 +81,16 @@ class Cli : public testing::Test {
     folder_.write("e.toml", experiment);
     std::vector<std::string> all = {"run", "e.toml", "--out", "out"};
     all.insert(all.end(), arguments.begin(), arguments.end());
-    return truescatter(all);
+    const ProgramResult result = truescatter(all);
+    if (result.exit_code <= 1 && exists("out/results.json")) expect_schema("out/results.json");
+    return result;
+  }
+  // A results.json is laid out as its schema says.
+  void expect_schema(const std::string& name) const {
+    const std::string script = std::string(TRUESCATTER_SOURCE_DIR) + "/tests/scripts/check_schema.py";
+    const ProgramResult checked =
+        run_program("/usr/bin/env", {"python3", "-B", script, name}, folder_.path());
+    EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err;
   }
   bool exists(const std::string& name) const { return std::filesystem::exists(folder_.path() / name); }
   std::string text(const std::string& name) const { return read_text_file(folder_.path() / name); }
