@@ -256,6 +256,7 @@ struct SweepSpec {
   std::string difficulty = "up";      // down: the smallest of `axis` is the hardest
   std::string scale = "linear";       // of the axis, in charts and between its values; or log
   std::vector<ExperimentSpec> point;  // the experiment at each value; these have no sweep
+  SourceLocation where;               // the key's
 };
 
 struct ExperimentSpec {

@@ -635,10 +635,11 @@ SweepSpec read_sweep(TomlTable table) {
   if (!table.has("key")) table.fail("key", "'sweep.key' is missing");
   sweep.keys = table.raw("key").is_string() ? std::vector{table.text("key")} : table.texts("key");
   for (const std::string& key : sweep.keys) {
-    if (key == "name" || key == "sweep" || key.starts_with("sweep."))
+    if (key == "name" || key == "sweep" || key.starts_with("sweep.") || key.find('=') != std::string::npos)
       table.fail("key", fmt::format("'sweep.key' must not be '{}'", key));
   }
   if (sweep.keys.empty()) table.fail("key", "'sweep.key' must name a key");
+  sweep.where = table.where("key");
   if (!table.has("values") || !table.raw("values").is_array())
     table.fail("values", "'sweep.values' must be an array");
   const auto& values = table.raw("values").as_array();
@@ -933,6 +934,19 @@ std::string stability_toml(const StabilitySpec& stability) {
   return text;
 }
 
+// What a value makes of the experiment is read as an override is; what is wrong with it is wrong in the file.
+ExperimentSpec sweep_point(toml::value root, const SweepSpec& sweep, const std::vector<std::string>& value,
+                           const std::filesystem::path& file) {
+  root.as_table().erase("sweep");
+  try {
+    for (std::size_t k = 0; k < value.size(); ++k) apply_override(root, sweep.keys[k] + "=" + value[k]);
+    return read_root(TomlTable(root, ""), file);
+  } catch (const Error& error) {
+    throw Error(error.kind(), sweep.where,
+                fmt::format("'sweep' at {}: {}", fmt::join(value, ", "), error.what()));
+  }
+}
+
 }  // namespace
 
 ExperimentSpec read_experiment_or_standard(const std::filesystem::path& file) {
@@ -949,13 +963,8 @@ ExperimentSpec read_experiment(const std::filesystem::path& file, const std::vec
   for (const std::string& override_text : overrides) apply_override(root, override_text);
   ExperimentSpec spec = read_root(TomlTable(root, ""), file);
   if (!spec.sweep) return spec;
-  for (const std::vector<std::string>& value : spec.sweep->values) {
-    toml::value point = root;
-    point.as_table().erase("sweep");
-    for (std::size_t k = 0; k < value.size(); ++k)
-      apply_override(point, spec.sweep->keys[k] + "=" + value[k]);
-    spec.sweep->point.push_back(read_root(TomlTable(point, ""), file));
-  }
+  for (const std::vector<std::string>& value : spec.sweep->values)
+    spec.sweep->point.push_back(sweep_point(root, *spec.sweep, value, file));
   return spec;
 }
 

@@ -89,6 +89,25 @@ void write_png(const std::filesystem::path& path, const Image& image) {
 
 namespace {
 
+// What a picture may ask for: 4 GiB of values, and no more than its file can hold. Deflated data is at least
+// a thousandth of what it stands for; the lossy compressions of EXR get further, but not by as much again.
+constexpr double kMostValues = 1024.0 * 1024.0 * 1024.0;
+constexpr double kMostValuesPerByte = 65536.0;
+
+void check_size(const std::filesystem::path& path, const OIIO::ImageSpec& spec) {
+  const double values = static_cast<double>(spec.width) * spec.height * spec.nchannels;
+  if (values > kMostValues) {
+    throw_input_error({path.string()}, "the image is {} x {} with {} channels; at most 2^30 values are read",
+                      spec.width, spec.height, spec.nchannels);
+  }
+  const auto bytes = static_cast<double>(std::filesystem::file_size(path));
+  if (values > kMostValuesPerByte * bytes) {
+    throw_input_error({path.string()},
+                      "says it is {} x {} with {} channels, which a file of {} bytes cannot hold", spec.width,
+                      spec.height, spec.nchannels, bytes);
+  }
+}
+
 Image read_with_spec(const std::filesystem::path& path, OIIO::ImageSpec& spec) {
   if (!std::filesystem::exists(path)) throw_input_error({path.string()}, "no such file");
   OIIO::ImageSpec as_stored;
@@ -100,6 +119,7 @@ Image read_with_spec(const std::filesystem::path& path, OIIO::ImageSpec& spec) {
     throw_input_error({path.string()}, "the image is {} x {} x {} with {} channels; a flat image is needed",
                       spec.width, spec.height, spec.depth, spec.nchannels);
   }
+  check_size(path, spec);
   Image image(spec.width, spec.height, spec.nchannels);
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.data().data())) {
     throw_input_error({path.string()}, "cannot read the pixels: {}", input->geterror());

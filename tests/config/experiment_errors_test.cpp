@@ -270,6 +270,10 @@ const Broken kBroken[] = {
     {"SweepWithFewerPlaces", "[timing]",
      "[sweep]\nkey = \"truth.seed\"\nvalues = [1, 2, 3]\naxis_values = [1.0, 2.0]\n[timing]", ":22:15",
      "'sweep.axis_values' has 2 entries for 3 values"},
+    {"SweepOfNoEntry", "[timing]", "[sweep]\nkey = \"light.9.type\"\nvalues = [1, 2]\n[timing]", ":20:7",
+     "'sweep' at 1: --set light.9.type=1: '9' names no entry of this array (1 entries)"},
+    {"SweepOutOfRange", "[timing]", "[sweep]\nkey = \"timing.repeats\"\nvalues = [1, 0]\n[timing]", ":20:7",
+     "'sweep' at 0: --set timing.repeats=0"},
     {"SweepOfSweeps", "[timing]", "[sweep]\nkey = \"sweep.title\"\nvalues = [1, 2]\n[timing]", ":20:7",
      "'sweep.key' must not be 'sweep.title'"},
     // Not one of the words.

@@ -581,7 +581,9 @@ TEST_F(ExperimentSpecTest, ASweepIsTheExperimentAtEachValue) {
   // A value that the experiment refuses is named.
   const auto bad = error_of([&] { read(kMinimal + "[sweep]\nkey = \"truth.seed\"\nvalues = [1, 2.5]\n"); });
   ASSERT_TRUE(bad);
-  EXPECT_EQ(std::string(bad->what()).substr(0, 21), "--set truth.seed=2.5:") << bad->what();
+  EXPECT_NE(std::string(bad->what()).find("e.toml:13:7: 'sweep' at 2.5: --set truth.seed=2.5: "),
+            std::string::npos)
+      << bad->what();
 }
 
 TEST_F(ExperimentSpecTest, CharactersSurviveResolving) {

@@ -167,6 +167,22 @@ TEST(ReadLinearColours, DecodesWholeNumbersAndKeepsFloats) {
   EXPECT_EQ(read_linear_colours(folder.path() / "a.exr").at(1, 0, 0), image.at(1, 0, 0));
 }
 
+// A header is a few bytes, and could ask for any memory. Radiance's: a text, then the pixels.
+TEST(ReadImage, AsksForNoMoreThanAFileCanHold) {
+  const test::TempDir folder;
+  const auto refusal = [&](const std::string& size) {
+    const std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + size + "\nabcd";
+    const auto error = test::error_of([&] { read_image(folder.write("p.hdr", text)); });
+    return error ? std::string(error->what()) : std::string("read");
+  };
+  EXPECT_NE(refusal("-Y 40000 +X 40000")
+                .find("p.hdr: the image is 40000 x 40000 with 3 channels; at most 2^30 values"),
+            std::string::npos)
+      << refusal("-Y 40000 +X 40000");
+  EXPECT_NE(refusal("-Y 4000 +X 4000").find("which a file of 55 bytes cannot hold"), std::string::npos)
+      << refusal("-Y 4000 +X 4000");
+}
+
 TEST(ReadImage, ErrorsBeginWithTheFile) {
   const TempDir folder;
   expect_unreadable(folder.path() / "none.png");
