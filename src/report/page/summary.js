@@ -164,49 +164,100 @@ function cheapestSentence() {
 
 // --- the opening sentence ---
 
-// A method's run in each case where it has an error, the largest error first.
-const worstFirst = (label) =>
-    cases.flatMap((c) => costed(c).filter((run) => run.label === label).map((run) => ({c, run})))
-        .sort((a, b) => byError(b.run, a.run));
-const largestError = (label) => relativeError(worstFirst(label)[0].run);
-const largestTime = (label) => Math.max(...worstFirst(label).map(({run}) => frameMs(run)));
-const costsNothing = (label) => worstFirst(label).every(({run}) => isFree(run));
-
-// Of the methods that every case measured: the cheapest that stays within `threshold` in all, or none.
-function cheapestEverywhere(threshold) {
-  return labels
-      .filter(
-          (label) => worstFirst(label).length === cases.length && largestError(label) <= threshold &&
-              worstFirst(label).every(({run}) => isNumber(frameMs(run))))
-      .sort((a, b) => (costsNothing(b) - costsNothing(a)) || largestTime(a) - largestTime(b))[0];
+// What is chosen from: methods, and where several sums of Gaussians stand for one profile, or views differ in
+// size alone, a choice of these too, as in the chart of settings and in `advise`. Along a sweep each view is a
+// case of its own. [{name, label, entries: [{c, run}]}], the largest error first, and how many cases there are.
+function openingSettings() {
+  const groups = results.sweep ? cases.map((c) => ({cases: [c], sums: 1, sizes: 1})) : paretoGroups();
+  const settings = new Map();
+  for (const group of groups)
+    for (const c of group.cases)
+      for (const run of c.all) {
+        const view = viewOf(c.view);
+        const key = JSON.stringify(
+            [run.label, group.sums > 1 && c.profile, group.sizes > 1 && [view.width_px, view.height_px]]);
+        if (!settings.has(key)) {
+          const name = [methodName(run.label), settingName(group, run).slice(run.label.length)];
+          settings.set(key, {name, label: run.label, entries: []});
+        }
+        if (isNumber(settingError(run))) settings.get(key).entries.push({c, run});
+      }
+  for (const {entries} of settings.values()) entries.sort((a, b) => settingError(b.run) - settingError(a.run));
+  return {groups: groups.length, settings: [...settings.values()].filter((x) => x.entries.length > 0)};
 }
 
-// What its ladder says, of the case where it is worst if there is one.
-function costliestAssumption(label, c) {
-  const own = list(results.ladders).filter((ladder) => ladder.name === label && !ladder.skipped);
-  const ladder = own.find((l) => l.view === c.view && l.profile === c.profile) || own[0];
-  if (!ladder) return "what its assumptions cost one by one was not measured";
+const largestError = (setting) => settingError(setting.entries[0].run);
+const largestTime = (setting) => Math.max(...setting.entries.map(({run}) => frameMs(run)));
+const costsNothing = (setting) => setting.entries.every(({run}) => isFree(run));
+
+// The step of a ladder up to this method's rung that changes most, if it is on one: of the ladders of this case
+// before those of another, of one named after it before others. {ladder, rung}, or null.
+function costliestStep(label, c) {
+  const on = list(results.ladders)
+                 .filter((ladder) => !ladder.skipped && list(ladder.rungs).some((r) => r.rung === label));
+  const here = (ladder) => (ladder.view === c.view && ladder.profile === c.profile) * 2 + (ladder.name === label);
+  const ladder = on.sort((a, b) => here(b) - here(a))[0];
+  if (!ladder) return null;
   const cost = (rung) => lookUp(rung, "step.rmse").value || 0;
-  const rung = [...ladder.rungs].sort((a, b) => cost(b) - cost(a))[0];
-  return `the assumption that costs it most is \u201c${rung.assumption}\u201d (RMSE ${
-      number(inErrorUnits(
-          cost(rung)))}${errorUnit && " " + errorUnit}, ${ladder.view}, ${profileTitle(ladder.profile)})`;
+  const until = ladder.rungs.slice(1, ladder.rungs.findIndex((r) => r.rung === label) + 1);
+  const rung = [...until].sort((a, b) => cost(b) - cost(a))[0];
+  return rung ? {ladder, rung, rmse: cost(rung)} : null;
+}
+
+function targetText(own) {
+  return [
+    own.metric, own.normalised ? "normalised" : "raw", isNumber(own.r_max_mm) && `cut at ${number(own.r_max_mm)} mm`,
+    own.visible_only && "visible surface alone", own.transmittance && "with light through the body"
+  ].filter(Boolean).join(", ");
+}
+
+// What the ladder says; without one, on which side of the method's own target the error lies.
+function costliestAssumption(label, {c, run}) {
+  if (isFree(run)) return "it assumes that light leaves where it came in, which is all of that error";
+  const step = costliestStep(label, c);
+  if (step) {
+    const {ladder, rung} = step;
+    return `the assumption that costs it most is \u201c${rung.assumption}\u201d (RMSE ${
+        number(inErrorUnits(step.rmse))}${errorUnit && " " + errorUnit}, ${ladder.view}, ${
+        profileTitle(ladder.profile)})`;
+  }
+  const unknown = "which of its assumptions costs it most was not measured";
+  const own = run.own_target, error = relativeError(run), left = own && lookUp(own, "metrics.rel_rmse").value;
+  if (!own || !isNumber(left) || own.truth === run.truth) {
+    const reason = own && own.metrics_reason;
+    return unknown + (reason ? ` (against its own target: ${reason})` : " (it is on no ladder)");
+  }
+  // Errors add as squares where they are not alike: below half, three quarters of the square are elsewhere.
+  const aim = targetText(own);
+  if (left <= 0.5 * error)
+    return `the assumption that costs it most is its aim (${aim}): against that it is off by ${percent(left)}`;
+  const share = left >= 0.8 * error ? "costs it little" : "is a part of it";
+  return `its aim (${aim}) ${share}: against that it is off by ${percent(left)}, and no ladder takes apart what ` +
+      "it assumes beyond that";
 }
 
 function verdict() {
-  const {threshold} = summaryState, within = cheapestEverywhere(threshold);
-  const measured = labels.filter((label) => worstFirst(label).length > 0);
-  const label = within || measured.sort((a, b) => largestError(a) - largestError(b))[0];
-  if (!label) return null;
-  const {c, run} = worstFirst(label)[0], everywhere = cases.length > 1 ? " in every case" : "";
-  const time = costsNothing(label) ? "no pass at all" : `at most ${number(largestTime(label))} ms`;
+  const {threshold} = summaryState, {groups, settings} = openingSettings();
+  const complete = settings.filter((setting) => setting.entries.length === groups);
+  const within =
+      complete
+          .filter(
+              (setting) => largestError(setting) <= threshold &&
+                  setting.entries.every(({run}) => isFree(run) || isNumber(frameMs(run))))
+          .sort((a, b) => (costsNothing(b) - costsNothing(a)) || largestTime(a) - largestTime(b))[0];
+  const nearest = [...(complete.length > 0 ? complete : settings)].sort((a, b) => largestError(a) - largestError(b));
+  const chosen = within || nearest[0];
+  if (!chosen) return null;
+  const {c, run} = chosen.entries[0], everywhere = groups > 1 ? " in every case" : "";
+  const time = costsNothing(chosen) ? "no pass at all" : `at most ${number(largestTime(chosen))} ms`;
+  const part = complete.length > 0 ? "" : ` (measured in ${chosen.entries.length} of ${groups} cases)`;
   return h(
       "p", {class: "verdict-text", id: "verdict"},
-      within ?
-          [methodName(label), ` is the cheapest method within ${percent(threshold)}${everywhere} (${time})`] :
-          [`No method stays within ${percent(threshold)}${everywhere}; the nearest is `, methodName(label)],
-      `; it is worst in ${caseName(c) || c.view}, at ${percent(relativeError(run))}; `,
-      costliestAssumption(label, c), ".");
+      within ? [chosen.name, ` is the cheapest method within ${percent(threshold)}${everywhere} (${time})`] :
+               [`No method stays within ${percent(threshold)}${everywhere}; the nearest is `, chosen.name, part],
+      `; it is worst in ${caseName(c) || c.view}, at ${percent(settingError(run))}`,
+      run.profile_error && " against the profile itself", "; ", costliestAssumption(chosen.label, chosen.entries[0]),
+      ".");
 }
 
 function worseThanNothingSentence() {

@@ -54,6 +54,19 @@ class GridInBrowser(unittest.TestCase):
         for axis in ("time", "fetches", "bytes"):
             self.assertEqual(self.page.evaluate(f"document.querySelectorAll('[data-axis={axis}] .marker').length"), paid)
 
+    # A setting is a method under a sum in a frame, weighed against the profile itself, as `advise` takes it.
+    def test_opens_with_the_cheapest_setting(self):
+        paid = sorted((costs["time"], name, error) for name, error, costs in self.settings() if costs["time"] > 0)
+        free = min(error for _, error, costs in self.settings() if costs["time"] == 0)
+        limit = 0.5 * (free + min(error for _, _, error in paid))
+        time, name, error = next(setting for setting in paid if setting[2] <= limit)
+        self.page.evaluate(f"setThreshold({limit})")
+        sentence = self.page.evaluate("document.querySelector('#verdict').textContent.replace(/\\u202f/g, ' ')")
+        self.assertTrue(sentence.startswith(f"{name} is the cheapest method within "), sentence)
+        shown = float(sentence.split(", at ")[1].split(" %")[0])
+        self.assertAlmostEqual(shown, 100 * error, delta=0.5 * error)
+        self.assertIn("against the profile itself", sentence)
+
     def test_the_fronts_are_those_of_the_results(self):
         for axis in ("time", "fetches", "bytes"):
             shown = self.page.evaluate(f"[...document.querySelectorAll('.fronts [data-front={axis}]')].map((cell) => "

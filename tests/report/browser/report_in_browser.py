@@ -108,6 +108,36 @@ class ReportInBrowser(unittest.TestCase):
         cheapest = min((label for label in within if error[label] <= 0.999 * error[free]), key=paid.get)
         self.assertTrue(self.page.evaluate(opening).startswith(f"{cheapest} is the cheapest method within "))
 
+    def test_names_the_costliest_assumption_up_to_the_method_it_names(self):
+        opening = "document.querySelector('#verdict').textContent.replace(/\\u202f/g, ' ')"
+        error = {run["label"]: run["metrics"]["rel_rmse"] for run in self.results["runs"]}
+        rungs = self.results["ladders"][0]["rungs"]
+        labels = [rung["rung"] for rung in rungs]
+        until = rungs[1:labels.index("pscbf") + 1]
+        costliest = max(until, key=lambda rung: rung["step"]["rmse"])
+        # The step after it is larger, so that taking all of the ladder would show.
+        self.assertGreater(rungs[-1]["step"]["rmse"], costliest["step"]["rmse"])
+        self.assertEqual(min(error, key=error.get), "pscbf")
+        self.page.evaluate(f"setThreshold({1.0001 * error['pscbf']})")
+        sentence = self.page.evaluate(opening)
+        self.assertTrue(sentence.startswith("pscbf is the cheapest method within "), sentence)
+        self.assertIn(f"the assumption that costs it most is \u201c{costliest['assumption']}\u201d", sentence)
+        self.page.evaluate("setThreshold(1e6)")
+        self.assertIn("it assumes that light leaves where it came in", self.page.evaluate(opening))
+
+    # What the page says of a method on no ladder follows from its error against its own target.
+    def test_without_a_ladder_weighs_the_aim_of_a_method(self):
+        says = lambda left, error, truth: self.page.evaluate(f"""costliestAssumption("off-ladder", {{
+            c: cases[0], run: {{cost: {{passes: 1}}, truth: "headline", metrics: {{rel_rmse: {error}}}, own_target: {{
+              metric: "geodesic", normalised: true, r_max_mm: null, truth: "{truth}", metrics: {{rel_rmse: {left}}}}}}}}})
+            .replace(/\\u202f/g, ' ')""")
+        self.assertEqual(says(0.01, 0.04, "own"),
+                         "the assumption that costs it most is its aim (geodesic, normalised): against that it is "
+                         "off by 1.00 %")
+        self.assertTrue(says(0.039, 0.04, "own").startswith("its aim (geodesic, normalised) costs it little: "))
+        self.assertTrue(says(0.03, 0.04, "own").startswith("its aim (geodesic, normalised) is a part of it: "))
+        self.assertIn("was not measured", says(0.04, 0.04, "headline"))
+
     def test_number_keys_flip_between_methods(self):
         for key, label in enumerate(self.methods(), start=1):
             self.page.key(str(key), f"Digit{key}")
@@ -200,7 +230,7 @@ class ReportInBrowser(unittest.TestCase):
         self.assertEqual(sum(bars), len(errors))
 
     def test_tables_sort_by_a_click_on_their_heads(self):
-        order = "[...document.querySelectorAll('.case-table table.metrics tbody th')].map((th) => th.textContent.trim())"
+        order = "[...document.querySelectorAll('.case-table table.metrics:not(.ladder) tbody th')].map((th) => th.textContent.trim())"
         button = "document.querySelector('th[data-sort=\"Error.max\"] button').click()"
         by_max = [run["label"] for run in sorted(self.results["runs"], key=lambda run: run["metrics"]["max"])]
         self.page.evaluate(button)
