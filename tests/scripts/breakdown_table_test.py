@@ -20,7 +20,7 @@ STABILITY = load_script()
 
 
 def curve(label, errors, own, breaks):
-    points = [{"index": i, "axis": float(2**i), "rel_rmse": e, "own_rel_rmse": o}
+    points = [{"index": i, "axis": float(2**i), "view": f"front-{i}", "rmse": 0.5 * e, "rel_rmse": e, "own_rel_rmse": o}
               for i, (e, o) in enumerate(zip(errors, own))]
     return {"view": "front", "profile": "p", "label": label, "points": points, "only_rises": errors == sorted(errors),
             "breaks_at": breaks}
@@ -35,10 +35,18 @@ def breaks(*values):
     return found
 
 
-def rows(*curves, r_max_mm=3.0):
+def ladder(view, *steps):
+    """Of (rung, assumption, RMSE of the step over the truth's RMS of 1/2)."""
+    rungs = [{"rung": "truth-whole", "assumption": "none"}]
+    return {"view": view, "profile": "p", "rungs": rungs + [
+        {"rung": rung, "assumption": text, "step": {"rmse": None if share is None else 0.5 * share}}
+        for rung, text, share in steps]}
+
+
+def rows(*curves, r_max_mm=3.0, ladders=()):
     runs = [{"label": c["label"], "own_target": {"metric": "euclidean", "normalised": True,
                                                  "r_max_mm": None if c["label"] == "none" else r_max_mm}} for c in curves]
-    results = {"experiment": {"name": "e"}, "runs": runs,
+    results = {"experiment": {"name": "e"}, "runs": runs, "ladders": list(ladders),
                "sweep": {"title": "x", "unit": "mm", "difficulty": "up", "curves": list(curves)}}
     return {row["method"]: row for row in STABILITY.rows_of(results)}
 
@@ -72,6 +80,39 @@ class Sentences(unittest.TestCase):
         self.assertIn("is off by 2 % there", row["sentence"])
         self.assertNotIn("worse than", row["sentence"])
 
+    # Above 5 % at the middle value, and off by as much against its own target, which spans the hidden surface.
+    def test_hidden_surface_is_not_the_filters(self):
+        pscbf = curve("pscbf", [0.01, 0.06, 0.2], [0.01, 0.055, 0.2], breaks(1.2, 1.8, 2.6))
+        cbf = curve("cbf", [0.01, 0.059, 0.2], [0.01, 0.055, 0.2], breaks(1.2, 1.8, 2.6))
+        # Another view's ladder says nothing of this one, and what comes after the method none of its own.
+        chain = [ladder("front-0", ("truth-cut", "cut", 0.9)),
+                 ladder("front-1", ("truth-cut", "cut", 0.002), ("truth-cut-visible", "seen", 0.053),
+                        ("pscbf", "taps", 0.01), ("pscbf-mip", "mips", 0.8))]
+        found = rows(self.none, cbf, pscbf, ladders=chain)
+        for row in (found["pscbf"], found["cbf"]):
+            self.assertEqual((row["limited_by"], row["assumption"]), ("hidden surface", "seen"))
+            self.assertAlmostEqual(row["assumption_there"], 5.3)
+            self.assertIn("the error is what the view does not see: leaving that surface out changes the truth by 5.3 %",
+                          row["sentence"])
+        self.assertEqual(found["none"]["assumption"], "")
+
+    def test_the_ladder_says_what_of_the_filter_costs_most(self):
+        pscbf = curve("pscbf", [0.01, 0.06, 0.2], [0.01, 0.055, 0.2], breaks(1.2, 1.8, 2.6))
+        chain = [ladder("front-1", ("truth-cut", "cut", None), ("truth-cut-visible", "seen", 0.031), ("pscbf", "taps", 0.05))]
+        row = rows(self.none, self.cbf, pscbf, ladders=chain)["pscbf"]
+        self.assertEqual(row["limited_by"], "filter")
+        self.assertIn("off by 5.5 % there too; of its assumptions \"taps\" costs most (5 %); cbf", row["sentence"])
+
+    # Truths alone: what the method adds to them is not known, so that no step of theirs is said to cost most.
+    def test_a_ladder_of_truths_says_nothing_of_the_filter(self):
+        pscbf = curve("pscbf", [0.01, 0.06, 0.2], [0.01, 0.055, 0.2], breaks(1.2, 1.8, 2.6))
+        row = rows(self.none, pscbf, ladders=[ladder("front-1", ("truth-cut", "cut", 0.02), ("truth-cut-visible", "seen", 0.03))])
+        self.assertEqual((row["pscbf"]["limited_by"], row["pscbf"]["assumption"]), ("filter", ""))
+        texture = curve("texture-space", [0.01, 0.06, 0.2], [0.01, 0.02, 0.2], breaks(1.2, 1.8, 2.6))
+        row = rows(self.none, texture, ladders=[ladder("front-1", ("truth-geodesic", "along", 0.05))])["texture-space"]
+        self.assertEqual((row["limited_by"], row["assumption"]), ("model", "along"))
+        self.assertIn("off by 2 % there; of its assumptions \"along\" costs most (5 %).", row["sentence"])
+
     def test_what_is_worse_than_nothing_is_said_so(self):
         start = "above from the start: 40 % at the easy end"
         row = rows(self.none, curve("blur2d", [0.4, 0.5, 0.6], [0.4, 0.5, 0.6], breaks(start, start, start)))["blur2d"]
@@ -95,6 +136,7 @@ class CommittedTable(unittest.TestCase):
             text = row["sentence"]
             known = {value for key, value in row.items() if key != "sentence"} | {"5", "2"}
             words = text.replace(row["method"], "").replace(row["relative"] or "\0", "").replace("blur2d", "")
+            words = words.replace(row["assumption"] or "\0", "")
             for number in re.findall(r"(?<![\w.])\d+(?:\.\d+)?(?:e[+-]?\d+)?", words):
                 self.assertIn(number, known, text)
             error = float(row["error_there"])
@@ -102,6 +144,10 @@ class CommittedTable(unittest.TestCase):
                 self.assertLessEqual(float(row["own_there"]), 0.5 * error * 1.01, text)
             if "error is the filter's: " in text:
                 self.assertGreaterEqual(float(row["own_there"]), 0.8 * error * 0.99, text)
+            if "what the view does not see" in text or " costs most (" in text:
+                self.assertGreaterEqual(float(row["assumption_there"]), 0.5 * error * 0.99, text)
+            self.assertEqual(row["limited_by"] == "hidden surface", "what the view does not see" in text
+                             or (row["limited_by"] == "hidden surface" and text.startswith("Holds")))
             if row["relative"] and ", is off by" in text:
                 self.assertLess(float(row["relative_there"]), 0.5 * error * 1.01, text)
             if "worse than no scattering" in text:
