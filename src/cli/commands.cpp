@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "arguments.h"
 #include "config/experiment_spec.h"
 #include "core/error.h"
 #include "core/image_io.h"
@@ -43,6 +44,28 @@ void print_stats(const std::string& name, const nlohmann::json& stats) {
              text("mae"), text("rmse"), text("rel_rmse"), text("p50"), text("p95"), text("p99"), text("max"));
 }
 
+void print_halo(const nlohmann::json& halo) {
+  const auto text = [](const nlohmann::json& of, const char* key) {
+    return of.at(key).is_number() ? fmt::format("{:.6g}", of.at(key).get<double>()) : std::string("-");
+  };
+  const auto line = [&](const std::string& name, const nlohmann::json& of) {
+    fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12}\n", name, text(of, "peak"), text(of, "width_px"),
+               text(of, "energy"), text(of, "contrast"), of.at("pixels").dump());
+  };
+  fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12}\n", "halo", "peak", "width_px", "energy", "contrast",
+             "pixels");
+  line("luminance", halo);
+  for (const char* channel : {"r", "g", "b"}) line(channel, halo.at("channels").at(channel));
+  fmt::print(
+      "delta: distance in pixels to the nearest pixel of the mask's edge (beside one outside), in bins of "
+      "{:.4g} "
+      "px; relative error of a bin sum e / sum truth; peak its largest magnitude; width_px the smallest "
+      "delta "
+      "beyond which every bin up to 6 s is within 1 %; energy sum |e| / sum truth within 3 s; contrast RMSE "
+      "within 3 s / RMSE beyond 6 s; pixels: those within 3 s\n",
+      halo.at("profile").at("bin_px").get<double>());
+}
+
 bool is_folder(const std::filesystem::path& path) { return std::filesystem::is_directory(path); }
 
 void refuse_mix(const std::filesystem::path& folder, const std::filesystem::path& file) {
@@ -52,8 +75,15 @@ void refuse_mix(const std::filesystem::path& folder, const std::filesystem::path
                     folder.string(), file.string());
 }
 
+double halo_std_dev_px(const CompareArguments& arguments) {
+  if (arguments.mask.empty())
+    throw_input_error(option("halo"), "needs --mask: a halo lies beside the mask's edge");
+  return positive(arguments.halo, "halo", "a standard deviation in pixels");
+}
+
 int compare_folders(const CompareArguments& arguments) {
   if (!arguments.mask.empty()) throw_input_error({}, "--mask is for pictures; these are result folders");
+  if (!arguments.halo.empty()) throw_input_error({}, "--halo is for pictures; these are result folders");
   const nlohmann::json changes = result_changes(arguments.test, arguments.truth);
   fmt::print("{}", arguments.json ? changes.dump(1) + "\n" : changes_text(changes));
   return 0;
@@ -122,6 +152,7 @@ int compare(const CompareArguments& arguments) {
   put_number(stats, "flip", mean_inside(flip_map(truth, test), mask), "no pixel to measure");
   put_number(stats, "flip_hdr", mean_inside(HdrFlipReference(truth, mask).map(test), mask),
              "no pixel to measure");
+  if (!arguments.halo.empty()) stats["halo"] = mask_halo_json(test, truth, mask, halo_std_dev_px(arguments));
   if (arguments.json) {
     fmt::print("{}\n", stats.dump(1));
     return 0;
@@ -140,6 +171,7 @@ int compare(const CompareArguments& arguments) {
       "0 to 1, 67 pixels a degree)\n");
   fmt::print("{} pixels; errors are test - truth; FLIP {}, HDR-FLIP {}\n", stats.at("pixels").dump(),
              stats.at("flip").dump(), stats.at("flip_hdr").dump());
+  if (stats.contains("halo")) print_halo(stats.at("halo"));
   return 0;
 }
 

@@ -77,6 +77,7 @@ struct CompareArguments {
   std::filesystem::path test;
   std::filesystem::path truth;
   std::filesystem::path mask;  // empty: every pixel
+  std::string halo;            // the widest standard deviation in pixels, as the user gave it; empty: no halo
   bool json = false;
 };
 int compare(const CompareArguments& arguments);

@@ -134,6 +134,9 @@ int dispatch(int argc, char** argv) {
       ->add_option("truth", compare_arguments.truth, "Picture to measure against, or the new result folder")
       ->required();
   compare->add_option("--mask", compare_arguments.mask, "Picture that is not 0 where pixels count");
+  compare->add_option(
+      "--halo", compare_arguments.halo,
+      "Measure the halo beside the mask's edge too, for this widest standard deviation in pixels");
   compare->add_flag("--json", compare_arguments.json, "Print JSON");
 
   AdviseArguments advise_arguments;

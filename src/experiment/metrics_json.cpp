@@ -23,12 +23,12 @@ void put_error_stats(json& object, const ErrorStats& stats) {
   put_number(object, "max", stats.max, empty);
 }
 
-// `none`: the reason where there is no such line.
-json halo_json(const Halo& halo, const std::string& none) {
+// `none`: the reason where there is no such line. `unit`: of the distances.
+json halo_json(const Halo& halo, const std::string& none, const std::string& unit = "mm") {
   json object;
   object["pixels"] = halo.pixels;
   put_number(object, "peak", halo.peak, none);
-  put_number(object, "width_mm", halo.width_mm,
+  put_number(object, "width_" + unit, halo.width_mm,
              std::isfinite(halo.peak) ? "the error stays above 1 % up to 6 s" : none);
   put_number(object, "energy", halo.energy, none);
   put_number(object, "contrast", halo.contrast,
@@ -36,7 +36,7 @@ json halo_json(const Halo& halo, const std::string& none) {
   json errors = json::array();
   for (const double e : halo.profile.relative_error) errors.push_back(std::isfinite(e) ? json(e) : json());
   object["profile"] = {
-      {"bin_mm", halo.profile.bin_mm}, {"relative_error", errors}, {"pixels", halo.profile.pixels}};
+      {"bin_" + unit, halo.profile.bin_mm}, {"relative_error", errors}, {"pixels", halo.profile.pixels}};
   return object;
 }
 
@@ -118,6 +118,27 @@ json leak_json(const std::vector<LitAlone>& surfaces, double largest_irradiance)
     object["by_surface"].push_back(part);
   }
   return object;
+}
+
+json mask_halo_json(const Image& test, const Image& truth, const Image& mask, double std_dev_px) {
+  // Facing skin at depth 1 before nothing, under a focal length of 1: distances come back in pixels.
+  Image position(mask.width(), mask.height(), 3);
+  Image face_normal(mask.width(), mask.height(), 3);
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      face_normal.set_rgb(x, y, Vec3d::UnitZ());
+      if (mask.at(x, y, 0) != 0.0F) position.set_rgb(x, y, -Vec3d::UnitZ());
+    }
+  }
+  const ContourMap contours = find_contours({mask, position, face_normal, 1.0});
+  const auto measured = [&](Quantity quantity) {
+    return halo_json(measure_halo(test, truth, mask, contours, std_dev_px, 1.0, quantity, HaloSide::outer),
+                     "the mask has no edge within the picture with light beside it", "px");
+  };
+  json halo = measured(Quantity::luminance);
+  for (const Quantity quantity : {Quantity::red, Quantity::green, Quantity::blue})
+    halo["channels"][std::string(name_of(quantity))] = measured(quantity);
+  return halo;
 }
 
 json metrics_json(const Image& test, const MetricInputs& inputs) {

@@ -42,4 +42,9 @@ nlohmann::json leak_json(const std::vector<LitAlone>& surfaces, double largest_i
 // The error statistics alone: what `compare` prints, and what own targets carry.
 nlohmann::json error_stats_json(const Image& test, const Image& truth, const Image& mask);
 
+// The halo of two pictures of which nothing but the skin's mask is known: beside its outer contour alone, and
+// in pixels, for the widest standard deviation `std_dev_px`. {peak, width_px, energy, contrast, pixels,
+// profile: {bin_px, relative_error, pixels}} of luminance, and of r, g, b under `channels`.
+nlohmann::json mask_halo_json(const Image& test, const Image& truth, const Image& mask, double std_dev_px);
+
 }  // namespace truescatter

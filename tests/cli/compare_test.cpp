@@ -17,9 +17,9 @@ class CliCompare : public Cli {
  protected:
   void SetUp() override {
     const Image truth = ramp();
-    const Image mask(16, 8, 1, 1.0F);
-    write_exr(folder_.path() / "truth.exr", {{"", &truth}, {"mask", &mask}});
+    write_exr(folder_.path() / "truth.exr", {{"", &truth}, {"mask", &ramp_mask_}});
   }
+  const Image ramp_mask_{16, 8, 1, 1.0F};
   void write_test(const Image& image) const { write_exr(folder_.path() / "test.exr", {{"", &image}}); }
 };
 
@@ -97,6 +97,46 @@ TEST_F(CliCompare, AnEmptyMaskGivesReasons) {
   EXPECT_FALSE(contains(result.out, "nan"));
 }
 
+// Skin in columns 8 to 55 of 64, before nothing: delta is 0 at the columns 8 and 55, and grows by 1 px a
+// column. With s = 2 px bins are s/8 = 1/4 px. Too bright by 1/4 in the five columns of delta 0 to 4, by
+// 1/256 where delta > 6 s. So the halo's height is 1/4; the last bin above 1 % is [4, 4.25); within 3 s = 6
+// px lie seven columns on each of two sides of 8 rows, five of them in error: energy 5/7 / 4, contrast
+// sqrt(5/7) / 4 * 256. In blue there is half of it. Outside of the mask anything may be.
+TEST_F(CliCompare, TheHaloOfASyntheticStepComesBack) {
+  Image truth(64, 8, 3, 9.0F);
+  Image test(64, 8, 3, 0.0F);
+  Image mask(64, 8, 1);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 8; x <= 55; ++x) {
+      const int delta = std::min(x - 8, 55 - x);
+      const double error = delta < 5 ? 0.25 : delta > 12 ? 1.0 / 256.0 : 0.0;
+      mask.at(x, y, 0) = 1.0F;
+      truth.set_rgb(x, y, Vec3d::Ones());
+      test.set_rgb(x, y, Vec3d(1.0 + error, 1.0 + error, 1.0 + 0.5 * error));
+    }
+  }
+  write_test(test);
+  write_exr(folder_.path() / "truth.exr", {{"", &truth}});
+  write_exr(folder_.path() / "mask.exr", {{"", &mask}});
+  const ProgramResult result =
+      truescatter({"compare", "test.exr", "truth.exr", "--mask", "mask.exr", "--halo", "2", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json halo = nlohmann::json::parse(result.out).at("halo");
+  for (const auto& [channel, factor] : {std::pair("r", 1.0), std::pair("b", 0.5)}) {
+    const nlohmann::json& found = halo.at("channels").at(channel);
+    EXPECT_EQ(found.at("pixels"), 2 * 7 * 8);
+    EXPECT_EQ(found.at("profile").at("bin_px"), 0.25);
+    EXPECT_EQ(found.at("peak"), factor * 0.25);
+    EXPECT_EQ(found.at("width_px"), 4.25);
+    EXPECT_DOUBLE_EQ(found.at("energy").get<double>(), factor * 0.25 * 5.0 / 7.0);
+    EXPECT_DOUBLE_EQ(found.at("contrast").get<double>(), std::sqrt(5.0 / 7.0) * 64.0);
+  }
+  EXPECT_NEAR(halo.at("peak").get<double>(), 0.25 * (1.0 - 0.5 * 0.0722), 1e-12);  // luminance of Rec. 709
+  EXPECT_TRUE(
+      contains(truescatter({"compare", "test.exr", "truth.exr", "--mask", "mask.exr", "--halo", "2"}).out,
+               "width_px"));
+}
+
 void expect_refused(const ProgramResult& result, const std::vector<std::string>& pieces) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.out, "");
@@ -119,6 +159,10 @@ TEST_F(CliCompare, RefusesWhatItCannotCompare) {
   expect_refused(truescatter({"compare", "mask.exr", "truth.exr"}),
                  {"mask.exr: has 1 plain channels; R, G, B are needed"});
   expect_refused(truescatter({"compare", "truth.exr"}), {"truth"});
+  expect_refused(truescatter({"compare", "truth.exr", "truth.exr", "--halo", "2"}), {"--halo: needs --mask"});
+  write_exr(folder_.path() / "mask.exr", {{"", &ramp_mask_}});
+  expect_refused(truescatter({"compare", "truth.exr", "truth.exr", "--mask", "mask.exr", "--halo", "0"}),
+                 {"--halo: \"0\": a standard deviation in pixels must be above 0"});
   Image hole = ramp();
   hole.at(1, 1, 1) = std::numeric_limits<float>::quiet_NaN();
   write_test(hole);
