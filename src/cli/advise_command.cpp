@@ -30,7 +30,12 @@ constexpr int kStandardFramePx = 160;
 double share(const std::string& text) {
   const bool percent = text.ends_with('%');
   const std::string number = percent ? text.substr(0, text.size() - 1) : text;
-  return positive(number, "error", "an error") / (percent ? 100.0 : 1.0);
+  const double value = positive(number, "error", "an error");
+  if (!percent && value >= 1.0) {
+    throw_input_error(option("error"), "\"{}\": without a % an error is a share, below 1; \"{}%\" is percent",
+                      text, text);
+  }
+  return percent ? value / 100.0 : value;
 }
 
 AdviceRequest request_of(const AdviseArguments& arguments) {

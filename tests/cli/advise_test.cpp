@@ -107,6 +107,7 @@ TEST_F(CliAdvise, AnExperimentWithoutMethodsGetsTheStandardOnes) {
 TEST_F(CliAdviseErrors, NameTheOption) {
   folder_.write("e.toml", kTiny);
   expect_refused(truescatter({"advise", "e.toml", "--error", "-1%"}), {"--error", "must be above 0"});
+  expect_refused(truescatter({"advise", "e.toml", "--error", "2"}), {"--error", "\"2%\" is percent"});
   expect_refused(truescatter({"advise", "e.toml", "--metric", "mse"}),
                  {"--metric", "there are: rmse, halo-peak, p99"});
   expect_refused(truescatter({"advise", "e.toml", "--budget", "many"}), {"--budget", "many"});
