@@ -95,6 +95,11 @@ class Sentences(unittest.TestCase):
             self.assertIn("the error is what the view does not see: leaving that surface out changes the truth by 5.3 %",
                           row["sentence"])
         self.assertEqual(found["none"]["assumption"], "")
+        # A sweep that changes the profile numbers it as it does the view.
+        chain[1]["profile"] = "p-1"
+        self.assertEqual(rows(self.none, cbf, pscbf, ladders=chain)["pscbf"]["assumption"], "seen")
+        chain[1]["profile"] = "q"
+        self.assertEqual(rows(self.none, cbf, pscbf, ladders=chain)["pscbf"]["assumption"], "")
 
     def test_the_ladder_says_what_of_the_filter_costs_most(self):
         pscbf = curve("pscbf", [0.01, 0.06, 0.2], [0.01, 0.055, 0.2], breaks(1.2, 1.8, 2.6))
