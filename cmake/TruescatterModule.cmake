@@ -42,11 +42,12 @@ function(truescatter_module name)
 endfunction()
 
 # truescatter_embed(<target> <namespace> <files>): makes each text file a std::string_view constant,
-# looked up by its path relative to src/ through the generated function `<namespace>::embedded(path)`.
+# looked up by its path relative to src/ through the generated function `<namespace>::embedded(path)`. A file
+# from elsewhere is given by its absolute path, and looked up by its name.
 function(truescatter_embed target namespace)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/${target}_embedded.cpp)
   set(paths ${ARGN})
-  list(TRANSFORM paths PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  list(TRANSFORM paths PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ REGEX "^[^/]")
   string(REPLACE ";" "," joined "${paths}")
   add_custom_command(
     OUTPUT ${output}

@@ -23,13 +23,22 @@ std::string page_file(std::string_view name) {
 
 std::string all_scripts() {
   std::string text;
-  for (const char* name : {"base.js",  "data.js",   "summary.js", "scatter.js",  "pareto.js", "halo.js",
-                           "seam.js",  "values.js", "inspect.js", "pictures.js", "viewer.js", "fit.js",
-                           "terms.js", "sweep.js",  "paths.js",   "tables.js",   "ladder.js", "details.js",
-                           "state.js", "hover.js",  "keys.js",    "report.js"}) {
+  for (const char* name :
+       {"base.js",    "data.js",   "chart.js", "labels.js", "svg_chart.js", "plotly_chart.js", "summary.js",
+        "scatter.js", "pareto.js", "halo.js",  "seam.js",   "values.js",    "inspect.js",      "pictures.js",
+        "viewer.js",  "fit.js",    "terms.js", "sweep.js",  "paths.js",     "tables.js",       "ladder.js",
+        "details.js", "state.js",  "hover.js", "keys.js",   "report.js"}) {
     text += page_file(name);
   }
   return text;
+}
+
+// plotly.js with its licence's text, in a script block of its own; nothing in a program built without it.
+std::string plotly_block() {
+  const std::string script = report_page::embedded("plotly-basic.min.js");
+  if (script.empty()) return {};
+  // Neither text ends the comment or the block: the build has checked both files' hashes, a test the page.
+  return "<script id=\"plotly\">\n/*\n" + report_page::embedded("LICENSE") + "*/\n" + script + "</script>";
 }
 
 }  // namespace
@@ -37,7 +46,8 @@ std::string all_scripts() {
 std::string make_page(const PageContents& contents) {
   const std::map<std::string, std::string, std::less<>> values = {
       {"title", contents.title},       {"style", page_file("report.css")}, {"results", contents.results},
-      {"pictures", contents.pictures}, {"values", contents.values},        {"scripts", all_scripts()}};
+      {"pictures", contents.pictures}, {"values", contents.values},        {"plotly", plotly_block()},
+      {"scripts", all_scripts()}};
   const std::string text = page_file("report.html");
   // One pass: what is put in is never searched for placeholders itself.
   std::string page;

@@ -8,6 +8,7 @@ const isDark = () => {
 // "light" or "dark"; until one is chosen, the page follows the system.
 function setTheme(theme) {
   document.documentElement.dataset.theme = theme;
+  redrawCharts();
   saveState();
 }
 

@@ -51,5 +51,5 @@ function seamSection() {
           "the halos: sum(test \u2212 truth) / sum(truth) of a bin. Right: relative RMSE, RMSE / RMS of the " +
           "truth, both over the pixels at which the larger singular value of the UV map is so many times the " +
           "smaller; the bias, (1/n) sum(test \u2212 truth), shows under the pointer.",
-      h("div", {class: "controls"}, channel.element), rows);
+      h("div", {class: "controls"}, channel.element), rows, chartNote());
 }

@@ -4,6 +4,7 @@ import base64
 import fcntl
 import json
 import os
+import re
 import select
 import shutil
 import subprocess
@@ -16,6 +17,11 @@ ANSWER_SECONDS = 60
 def find_browser():
     """The browser's program, or None: CHROMIUM names one, else Debian's."""
     return os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+def page_without_plotly(path):
+    """The text of a report as a program built without plotly.js writes it."""
+    return re.sub(r'<script id="plotly">.*?</script>', "", path.read_text(), flags=re.DOTALL)
 
 
 class Page:
@@ -137,6 +143,13 @@ class Page:
           const box = element.getBoundingClientRect();
           return [box.left, box.top, box.width, box.height];
         }})()""")
+
+    def chart(self, selector):
+        """Waits until a chart by plotly has been drawn; its box in the window."""
+        self.box(selector)
+        self.wait_for(f"document.querySelector({json.dumps(selector)})._fullLayout && document.querySelector("
+                      f"{json.dumps(selector + ' .hoverlayer')}) !== null")
+        return self.box(selector)
 
     def key(self, key, code="", kinds=("keyDown", "keyUp")):
         for kind in kinds:

@@ -8,9 +8,10 @@ FOLDER holds what `run` made of grid.toml. Exit codes: 0 good, 1 a test failed, 
 import json
 import pathlib
 import sys
+import tempfile
 import unittest
 
-from devtools import Page, find_browser
+from devtools import Page, find_browser, page_without_plotly
 
 FOLDER = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else None
 
@@ -47,12 +48,27 @@ class GridInBrowser(unittest.TestCase):
         beats = lambda b, a: b[0] <= a[0] and b[1] <= a[1] and (b[:2] != a[:2] or b[2] < a[2])
         return {a[3] for a in found if not any(beats(b, a) for b in found)}
 
+    # {axis: [(name, error in percent, cost, hover text)]} of the points that the charts show.
+    def points(self, axis):
+        chart = f".pareto[data-axis={axis}]"
+        self.page.chart(chart)
+        return self.page.evaluate(f"""document.querySelector("{chart}").data.filter((t) => t.mode === "markers")
+          .flatMap((t) => t.x.map((x, i) => [t.text[i].split("<br>")[0], t.y[i], x, t.text[i]]))""")
+
     def test_one_chart_holds_every_setting(self):
         self.assertEqual(self.page.evaluate("document.querySelectorAll('.pareto-card').length"), 1)
-        paid = sum(1 for setting in self.settings() if setting[2]["time"] > 0)
-        self.assertEqual(paid, 16)
+        paid = {name: (error, costs) for name, error, costs in self.settings() if costs["time"] > 0}
+        self.assertEqual(len(paid), 16)
+        if not self.page.evaluate("hasPlotly"):
+            self.assertEqual(self.page.evaluate("document.querySelectorAll('[data-axis=time] .marker').length"), 16)
+            return
         for axis in ("time", "fetches", "bytes"):
-            self.assertEqual(self.page.evaluate(f"document.querySelectorAll('[data-axis={axis}] .marker').length"), paid)
+            points = self.points(axis)
+            self.assertEqual(sorted(name for name, *_ in points), sorted(paid))
+            for name, error, cost, _ in points:
+                # The same numbers, but for the rounding of their products.
+                self.assertAlmostEqual(error, 100 * paid[name][0], delta=1e-12 * error)
+                self.assertAlmostEqual(cost, paid[name][1][axis], delta=1e-12 * cost)
 
     # A setting is a method under a sum in a frame, weighed against the profile itself, as `advise` takes it.
     def test_opens_with_the_cheapest_setting(self):
@@ -75,11 +91,31 @@ class GridInBrowser(unittest.TestCase):
             self.assertEqual(len(shown), len(set(shown)))
 
     def test_a_marker_says_its_setting(self):
-        tips = self.page.evaluate("[...document.querySelectorAll('[data-axis=time] .marker')].map((m) => m.dataset.tip)")
         names = {name for name, _, costs in self.settings() if costs["time"] > 0}
-        self.assertEqual({tip.split("\n")[0] for tip in tips}, names)
+        if self.page.evaluate("hasPlotly"):
+            tips = [tip for *_, tip in self.points("time")]
+        else:
+            tips = self.page.evaluate("[...document.querySelectorAll('[data-axis=time] .marker')].map((m) => m.dataset.tip)")
+        self.assertEqual({tip.replace("<br>", "\n").split("\n")[0] for tip in tips}, names)
         for tip in tips:
             self.assertIn("settings: ", tip)
+
+    def test_without_plotly_the_charts_are_plain_and_say_so(self):
+        paid = sum(1 for setting in self.settings() if setting[2]["time"] > 0)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "report.html")
+            path.write_text(page_without_plotly(FOLDER / "report.html"))
+            with Page(find_browser(), path.as_uri()) as page:
+                page.wait_for("document.documentElement.dataset.values")
+                for axis in ("time", "fetches", "bytes"):
+                    self.assertEqual(page.evaluate(f"document.querySelectorAll('svg[data-axis={axis}] .marker').length"), paid)
+                self.assertIn("plain SVG", page.evaluate("document.querySelector('#speed .chart-note').textContent"))
+                self.assertEqual(page.evaluate("document.querySelectorAll('.plot').length"), 0)
+                # A click on a marker shows its pictures, as plotly's does.
+                page.evaluate("document.querySelector('svg[data-axis=time] .marker').dispatchEvent(new MouseEvent('click'))")
+                tip = page.evaluate("document.querySelector('svg[data-axis=time] .marker').dataset.tip")
+                self.assertTrue(tip.startswith(page.evaluate("viewerState.right") + ","))
+                self.assertEqual(page.complaints, [])
 
     def test_a_sentence_counts_what_the_fronts_share(self):
         sentence = self.page.evaluate("document.querySelector('.fronts-sentence').textContent")

@@ -251,13 +251,74 @@ class ReportInBrowser(unittest.TestCase):
                 # Three digits are shown.
                 self.assertAlmostEqual(number_of(text.rstrip("%")), 100 * b["rel_rmse"], delta=0.5e-2 * 100 * b["rel_rmse"])
 
-    def test_charts_tell_their_values_on_hover(self):
-        x, y, width, height = self.page.box(".halo-row .strip")
+    def rest(self):
         self.page.wait_for("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
-        self.page.mouse("mouseMoved", x + width / 2, y + height / 2)
-        tip = self.page.wait_for("document.querySelector('.tip:not([hidden])')?.textContent")
+
+    # Of the first halo chart: each method's error by bin, as plotly was given it; asinh there makes room.
+    def test_halo_charts_hold_the_profiles_of_the_results(self):
+        if not self.page.evaluate("hasPlotly"):
+            self.skipTest("built without plotly.js")
+        self.page.chart(".halo-row .halo")
+        traces = self.page.evaluate("document.querySelector('.halo-row .halo').data.map((t) => [t.name, t.x, t.y])")
+        self.assertEqual([name for name, *_ in traces], [run["label"] for run in self.results["runs"]])
+        for (_, xs, ys), run in zip(traces, self.results["runs"], strict=True):
+            profile = run["metrics"]["halo"]["profile"]
+            wanted = [((i + 0.5) * profile["bin_mm"], error)
+                      for i, error in enumerate(profile["relative_error"]) if profile["pixels"][i] > 0]
+            self.assertEqual(len(xs), len(wanted))
+            for x, y, (delta, error) in zip(xs, ys, wanted, strict=True):
+                self.assertAlmostEqual(x, delta, delta=1e-12 * delta)
+                if error is None:
+                    self.assertIsNone(y)
+                else:
+                    self.assertAlmostEqual(math.sinh(y), 100 * error, delta=1e-9 * (1 + abs(100 * error)))
+
+    def test_charts_tell_their_values_on_hover(self):
+        if self.page.evaluate("hasPlotly"):
+            x, y, width, height = self.page.chart(".halo-row .halo")
+            self.rest()
+            self.page.mouse("mouseMoved", x + 0.5 * width, y + 0.5 * height)
+            tip = self.page.wait_for("document.querySelector('.halo-row .halo .hoverlayer .legend')?.textContent")
+            self.assertIn("\u03b4 ", tip)
+        else:
+            x, y, width, height = self.page.box(".halo-row .strip")
+            self.rest()
+            self.page.mouse("mouseMoved", x + width / 2, y + height / 2)
+            tip = self.page.wait_for("document.querySelector('.tip:not([hidden])')?.textContent")
         for label in self.methods():
-            self.assertIn(label + "  ", tip)
+            self.assertIn(label + "  ", tip.replace("\u00a0", " "))
+
+    def test_a_point_of_a_chart_says_its_error_and_shows_its_pictures(self):
+        if not self.page.evaluate("hasPlotly"):
+            self.skipTest("built without plotly.js")
+        self.page.chart(".scatter")
+        self.rest()
+        run = next(run for run in self.results["runs"] if run["cost"]["passes"] > 0)
+        places = self.page.evaluate("""[...document.querySelectorAll('.scatter')][0].data
+          .map((t, i) => [t.name, [...document.querySelectorAll('.scatter .scatterlayer')][0].children[i]
+          .querySelector('.point')?.getBoundingClientRect()]).filter(([, box]) => box)
+          .map(([name, box]) => [name, box.left + box.width / 2, box.top + box.height / 2])""")
+        _, x, y = next(place for place in places if place[0] == run["label"])
+        self.page.mouse("mouseMoved", x, y)
+        tip = self.page.wait_for("document.querySelector('.scatter .hoverlayer .hovertext')?.textContent")
+        self.assertTrue(tip.startswith(run["label"]), tip)
+        shown = number_of(tip.split("error ")[1].split("\u202f%")[0])
+        # Three digits are shown.
+        self.assertAlmostEqual(shown, 100 * run["metrics"]["rel_rmse"], delta=0.5 * run["metrics"]["rel_rmse"])
+        self.page.click(x, y)
+        self.page.wait_for(f"viewerState.right === {json.dumps(run['label'])}")
+
+    def test_paper_has_every_chart_in_the_light_colours(self):
+        if not self.page.evaluate("hasPlotly"):
+            self.skipTest("built without plotly.js")
+        self.page.evaluate("setTheme('dark')")
+        self.page.evaluate("addEventListener('beforeprint', () => (window.printed = [...document.querySelectorAll('.plot')]"
+                           ".map((c) => c.querySelector('.xtitle')?.style.fill)))")
+        self.page.call("Page.printToPDF", {})
+        fills = self.page.evaluate("printed")
+        self.assertGreater(len(fills), 2)
+        self.assertEqual(set(fills), {"rgb(51, 51, 51)"})  # --soft of the light theme
+        self.assertEqual(self.page.evaluate("document.documentElement.dataset.theme"), "dark")
 
     def test_a_question_mark_names_the_keys(self):
         self.page.key("?", "Slash")
