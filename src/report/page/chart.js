@@ -74,14 +74,14 @@ function asinhTicks([low, high]) {
 function ticksBetween(axis, from, to) {
   const range = [Math.min(from, to), Math.max(from, to)];
   if (axis.ticks) return axis.ticks.filter((tick) => tick >= range[0] && tick <= range[1]);
-  return axis.scale === 'log' ? logTicks(range) :
-      axis.scale === 'asinh'  ? asinhTicks(range) :
+  return axis.scale === "log" ? logTicks(range) :
+      axis.scale === "asinh"  ? asinhTicks(range) :
                                 linearTicks(range, axis.wanted || 5);
 }
 
-const signedText = (value) => (value < 0 ? MINUS + Math.abs(value) : value > 0 ? '+' + value : '0');
+const signedText = (value) => (value < 0 ? MINUS + Math.abs(value) : value > 0 ? "+" + value : "0");
 const tickText = (axis, tick) =>
-    axis.scale === 'asinh' || tick < 0 ? signedText(tick) : grouped(String(tick));
+    axis.scale === "asinh" || tick < 0 ? signedText(tick) : grouped(String(tick));
 
 function logDomain(values, pad) {
   const positive = values.filter((v) => isNumber(v) && v > 0);
@@ -104,7 +104,7 @@ function columnsOf(chart) {
       .map((x) => ({x, points: all.filter(({point}) => point.x === x)}));
 }
 
-const columnTitle = (chart, x) => (chart.x.prefix || '') + number(x) + (chart.x.suffix || '');
+const columnTitle = (chart, x) => (chart.x.prefix || "") + number(x) + (chart.x.suffix || "");
 
 // The point of a column that is nearest to a height in px.
 const nearestInColumn =
@@ -112,11 +112,11 @@ const nearestInColumn =
 
 // --- what draws ---
 
-const hasPlotly = typeof Plotly !== 'undefined';
+const hasPlotly = typeof Plotly !== "undefined";
 
 const chartElement = (chart) => hasPlotly ? plotlyChart(chart) : svgChart(chart);
 
 // Under the charts of a section: why they are plain, where they are.
 const chartNote = () => !hasPlotly &&
-    h('p', {class: 'hint chart-note'},
-      'The charts are plain SVG: plotly.js was not there when this program was built.');
+    h("p", {class: "hint chart-note"},
+      "The charts are plain SVG: plotly.js was not there when this program was built.");

@@ -7,9 +7,9 @@ function facts(rows) {
           .map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value))));
 }
 
+// Tables of the same heads sort together.
 function plainTable(head, rows) {
-  return h(
-      "div", {class: "scroll"},
+  const table =
       h("table", {class: "plain"}, h("thead", {}, h("tr", {}, head.map((cell) => h("th", {}, cell)))),
         h("tbody", {},
           rows.map(
@@ -18,7 +18,8 @@ function plainTable(head, rows) {
                     row.map(
                         (cell, i) =>
                             h(i === 0 ? "th" : "td", {},
-                              cell === null || cell === undefined ? EN_DASH : cell)))))));
+                              cell === null || cell === undefined ? EN_DASH : cell))))));
+  return h("div", {class: "scroll"}, sortable(table, head.join("|")));
 }
 
 const card = (title, ...children) => h("div", {class: "panel card"}, h("h3", {}, title), children);

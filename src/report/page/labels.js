@@ -7,12 +7,12 @@ const overlap = (a, b) => a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h 
 // Where a label may stand: close by first, then farther off, where a line leads to it.
 function labelPlaces({x, y}) {
   const close = [
-    [7, -9, 'start'], [-8, 18, 'end'], [0, 20, 'middle'], [-11, 4, 'end'], [8, 18, 'start'], [11, 4, 'start'],
-    [-8, -9, 'end'], [0, -11, 'middle']
+    [7, -9, "start"], [-8, 18, "end"], [0, 20, "middle"], [-11, 4, "end"], [8, 18, "start"], [11, 4, "start"],
+    [-8, -9, "end"], [0, -11, "middle"]
   ].map(([dx, dy, anchor]) => ({x: x + dx, y: y + dy, anchor}));
   const far = [28, 44, 60, 76, 92].flatMap(
-      (d) => [[0, d, 'middle'], [0, -d, 'middle'], [0.8 * d, d, 'start'], [-0.8 * d, d, 'end'],
-              [0.8 * d, -d, 'start'], [-0.8 * d, -d, 'end']]
+      (d) => [[0, d, "middle"], [0, -d, "middle"], [0.8 * d, d, "start"], [-0.8 * d, d, "end"],
+              [0.8 * d, -d, "start"], [-0.8 * d, -d, "end"]]
                  .map(([dx, dy, anchor]) => ({x: x + dx, y: y + dy + 4, anchor, led: true})));
   return [...close, ...far];
 }
@@ -53,12 +53,12 @@ function lineBoxes(series, x, y) {
 }
 
 function notePlaces(level, at, frame) {
-  if (level.axis === 'x') {
+  if (level.axis === "x") {
     const last = at > frame.right - 8;
-    return [{x: last ? frame.right : at, y: frame.top - 5, anchor: last ? 'end' : 'middle'}];
+    return [{x: last ? frame.right : at, y: frame.top - 5, anchor: last ? "end" : "middle"}];
   }
-  const right = {x: frame.right - 6, anchor: 'end'}, left = {x: frame.left + 6, anchor: 'start'};
-  const [first, second] = level.kind === 'baseline' ? [right, left] : [left, right];
+  const right = {x: frame.right - 6, anchor: "end"}, left = {x: frame.left + 6, anchor: "start"};
+  const [first, second] = level.kind === "baseline" ? [right, left] : [left, right];
   return [first, second].flatMap((side) => [-5, 14].map((dy) => ({...side, y: at + dy})));
 }
 
@@ -70,12 +70,12 @@ function placedLabels(chart, x, y, frame) {
   const taken = marked.filter((point) => !point.faint)
                     .map((point) => ({x: x(point.x) - 8, y: y(point.y) - 8, w: 16, h: 16}));
   for (const series of chart.series.filter((other) => other.obstacle)) taken.push(...lineBoxes(series, x, y));
-  for (const level of levels.filter((l) => l.axis === 'y'))
+  for (const level of levels.filter((l) => l.axis === "y"))
     taken.push({x: frame.left, y: y(level.at) - 1, w: frame.right - frame.left, h: 2});
   const notes = levels.map((level) => {
-    const at = (level.axis === 'x' ? x : y)(level.at), wide = {...frame, top: 0};
+    const at = (level.axis === "x" ? x : y)(level.at), wide = {...frame, top: 0};
     const place =
-        placeLabel(notePlaces(level, at, frame), level.text, 11, taken, level.axis === 'x' ? wide : frame);
+        placeLabel(notePlaces(level, at, frame), level.text, 11, taken, level.axis === "x" ? wide : frame);
     return {level, text: level.text, ...place};
   });
   const labels =

@@ -31,7 +31,7 @@ function ladderRow(ladder, rung, channel, largest) {
   const width = (key) => isNumber((rung.filter_width || {})[key]) ? rung.filter_width[key].toFixed(3) : EN_DASH;
   return h(
       "tr", {}, h("th", {scope: "row"}, rung.rung), h("td", {class: "assumption"}, rung.assumption),
-      h("td", {}, stepPicture(ladder, rung)), h("td", {class: "bar-cell"}, ladderBar((step || {}).bias, largest)),
+      h("td", {}, stepPicture(ladder, rung)), h("td", {class: "bar-cell", "data-value": (step || {}).bias}, ladderBar((step || {}).bias, largest)),
       h("td", {}, value(step, "bias", true)), h("td", {}, value(step, "rmse")), h("td", {}, value(step, "max")),
       h("td", {}, value(soFar, "bias", true)), h("td", {}, value(soFar, "rmse")),
       h("td", {}, rung.step ? percent(energy) : EN_DASH),
@@ -47,7 +47,7 @@ function ladderTable(ladder, channel) {
   return h(
       "div", {class: "case-table"}, title,
       h("div", {class: "scroll panel"},
-        h("table", {class: "metrics ladder"},
+        sortable(h("table", {class: "metrics ladder"},
           h("thead", {},
             h("tr", {}, h("th", {colspan: 3}), h("th", {colspan: 4}, "This assumption adds"),
               h("th", {colspan: 3}, "All so far"),
@@ -62,7 +62,7 @@ function ladderTable(ladder, channel) {
                          `bias${unit}`, `RMSE${unit}`, "halo energy", "facing", "up a slope",
                          "across it"].map((text) => h("th", {}, text)))),
           h("tbody", {},
-            ladder.rungs.map((rung) => ladderRow(ladder, rung, channel, Math.max(...steps)))))),
+            ladder.rungs.map((rung) => ladderRow(ladder, rung, channel, Math.max(...steps))))), "ladders")),
       h("p", {class: "muted"},
         `The steps\u2019 biases sum to ${scientific(sums.sum_of_step_biases, 4)}, the bias of all is ` +
             `${scientific(sums.bias_so_far, 4)}; at no pixel do the steps\u2019 sum and the whole difference ` +

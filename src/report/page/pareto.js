@@ -15,7 +15,7 @@ function paretoGroups() {
   return [...groups.values()].map(
       (group) => ({
         ...group,
-        name: `${unique(group.cases.map((c) => c.view)).join(' and ')}, ${group.of}`,
+        name: `${unique(group.cases.map((c) => c.view)).join(" and ")}, ${group.of}`,
         sizes: unique(group.cases.map((c) => c.view)).length,
         sums: unique(group.cases.map((c) => c.profile)).length,
         pixels: Math.max(...group.cases.map((c) => viewOf(c.view).skin_pixels || 0))
@@ -24,30 +24,30 @@ function paretoGroups() {
 
 // Against the truth of the diffusion profile itself where there is one: leaving Gaussians out is paid for.
 const settingError = (run) =>
-    run.profile_error ? lookUp(run, 'profile_error.metrics.rel_rmse').value : relativeError(run);
+    run.profile_error ? lookUp(run, "profile_error.metrics.rel_rmse").value : relativeError(run);
 
 function settingName(group, run) {
   const gaussians = list(profileOf(run.profile).gaussians).length, view = viewOf(run.view);
   return [
-    run.label, group.sums > 1 && (gaussians > 0 ? plural(gaussians, 'Gaussian') : run.profile),
+    run.label, group.sums > 1 && (gaussians > 0 ? plural(gaussians, "Gaussian") : run.profile),
     group.sizes > 1 && `${view.width_px}${TIMES}${view.height_px}`
   ].filter(Boolean)
-      .join(', ');
+      .join(", ");
 }
 
 // What a setting costs: all of a frame, over the skin"s pixels of its camera's largest one.
 const frameShare = (group, run) => (viewOf(run.view).skin_pixels || 0) / (group.pixels || 1);
 const PARETO_AXES = [
-  {key: 'time', label: 'Frame time, ms', whiskers: true, cost: (group, run) => frameMs(run)}, {
-    key: 'fetches',
-    label: 'Texture fetches per skin pixel',
+  {key: "time", label: "Frame time, ms", whiskers: true, cost: (group, run) => frameMs(run)}, {
+    key: "fetches",
+    label: "Texture fetches per skin pixel",
     cost: (group, run) => isNumber(fetches(run)) ? frameShare(group, run) * fetches(run) : null
   },
   {
-    key: 'bytes',
-    label: 'Bytes per skin pixel',
+    key: "bytes",
+    label: "Bytes per skin pixel",
     cost: (group, run) => {
-      const bytes = lookUp(run, 'cost.bytes_per_pixel').value;
+      const bytes = lookUp(run, "cost.bytes_per_pixel").value;
       return isNumber(bytes) ? frameShare(group, run) * bytes : null;
     }
   }
@@ -83,7 +83,7 @@ function frontsOf(settings) {
            }));
 }
 
-const settingTip = (group, x) => [x.name, `error ${number(x.error)} %`, runTip(x.run)].join('\n');
+const settingTip = (group, x) => [x.name, `error ${number(x.error)} %`, runTip(x.run)].join("\n");
 
 // What has a colour and a shape of its own.
 const kindsOf = (settings) => unique(settings.map((setting) => methodOf.get(setting.run.label)));
@@ -106,18 +106,18 @@ function paretoChart(group, settings, fronts, axis, yDomain) {
   const ends = axis.whiskers ? paid.map((setting) => runWhisker(setting.run)) : [];
   const domain =
       logDomain([...paid.map((setting) => setting.costs[axis.key]), ...ends.flatMap(Object.values)], 1.35);
-  const x = {title: axis.label, scale: 'log', from: domain[0], to: domain[1]};
-  const y = {title: 'RMSE / RMS of truth, %', scale: 'log', from: yDomain[0], to: yDomain[1]};
+  const x = {title: axis.label, scale: "log", from: domain[0], to: domain[1]};
+  const y = {title: "RMSE / RMS of truth, %", scale: "log", from: yDomain[0], to: yDomain[1]};
   const front = fronts.filter((f) => f.on[axis.key])
                     .map((f) => ({...f, cost: f.setting.costs[axis.key], error: f.setting.error}))
                     .sort((a, b) => a.cost - b.cost);
   return chartElement({
     name: `${axis.label} against relative RMSE, ${group.name}`,
-    attributes: {class: 'pareto', 'data-axis': axis.key},
+    attributes: {class: "pareto", "data-axis": axis.key},
     size: SCATTER,
     x,
     y,
-    hover: 'point',
+    hover: "point",
     levels: thresholdLevels(y),
     series: [
       frontSeries(front, x, y), ...kindsOf(paid).map((name) => {
@@ -140,38 +140,41 @@ function paretoChart(group, settings, fronts, axis, yDomain) {
 function frontTable(group, fronts) {
   const time = (run) =>
       [number(frameMs(run)),
-       h('span', {class: 'muted'},
-         ` (${number(lookUp(run, 'cost.frame_ms.min').value)}..${
-             number(lookUp(run, 'cost.frame_ms.max').value)})`)];
+       h("span", {class: "muted"},
+         ` (${number(lookUp(run, "cost.frame_ms.min").value)}..${
+             number(lookUp(run, "cost.frame_ms.max").value)})`)];
   const cell = (f, key, content) =>
-      h('td', {'data-front': f.on[key] ? key : null}, content,
-        f.on[key] && h('b', {title: 'on this front'}, ' \u25cf'));
+      h("td", {"data-front": f.on[key] ? key : null}, content,
+        f.on[key] && h("b", {title: "on this front"}, " \u25cf"));
   return h(
-      'div', {class: 'scroll'},
-      h('table', {class: 'fronts'},
-        h('caption', {},
-          'The fronts; \u25cf: nothing is better in both. Error in % of the truth\u2019s RMS, time in ms ' +
-              '(least..most), fetches and bytes per skin pixel.'),
-        h('thead', {},
-          h('tr', {},
-            ['', 'Setting', 'Error', 'Time', 'Fetches', 'Bytes'].map((t) => h('th', {scope: 'col'}, t)))),
-        h('tbody', {},
-          fronts.map(
-              (f) =>
-                  h('tr', {}, h('td', {}, String(f.number)),
-                    h('th', {scope: 'row'}, swatch(f.setting.run.label), ' ', f.setting.name),
-                    h('td', {}, number(f.setting.error)),
-                    cell(f, 'time', isFree(f.setting.run) ? 'no pass' : time(f.setting.run)),
-                    cell(f, 'fetches', number(f.setting.costs.fetches)),
-                    cell(f, 'bytes', count(f.setting.costs.bytes)))))));
+      "div", {class: "scroll"},
+      sortable(
+          h("table", {class: "fronts"},
+            h("caption", {},
+              "The fronts; \u25cf: nothing is better in both. Error in % of the truth\u2019s RMS, time in ms " +
+                  "(least..most), fetches and bytes per skin pixel."),
+            h("thead", {},
+              h("tr", {},
+                ["No.", "Setting", "Error", "Time", "Fetches", "Bytes"].map(
+                    (t) => h("th", {scope: "col"}, t)))),
+            h("tbody", {},
+              fronts.map(
+                  (f) =>
+                      h("tr", {}, h("td", {}, String(f.number)),
+                        h("th", {scope: "row"}, swatch(f.setting.run.label), " ", f.setting.name),
+                        h("td", {}, number(f.setting.error)),
+                        cell(f, "time", isFree(f.setting.run) ? "no pass" : time(f.setting.run)),
+                        cell(f, "fetches", number(f.setting.costs.fetches)),
+                        cell(f, "bytes", count(f.setting.costs.bytes)))))),
+          "fronts"));
 }
 
 // Where the fronts by time and by fetches disagree: what is on one alone, and the pair of settings, one from
 // either, whose order by time contradicts that by fetches the most.
 function frontsSentence(fronts) {
   const only = (a, b) => fronts.filter((f) => f.on[a] && !f.on[b]);
-  const time = only('time', 'fetches'), work = only('fetches', 'time');
-  if (time.length + work.length === 0) return 'The fronts by time and by fetches hold the same settings.';
+  const time = only("time", "fetches"), work = only("fetches", "time");
+  if (time.length + work.length === 0) return "The fronts by time and by fetches hold the same settings.";
   const parts = [`By time the front holds ${fronts.filter((f) => f.on.time).length} settings, by fetches ${
       fronts.filter((f) => f.on.fetches).length}; ${
       fronts.filter((f) => f.on.time && f.on.fetches).length} are on both.`];
@@ -190,7 +193,7 @@ function frontsSentence(fronts) {
         number(a.costs.time)} against ${number(b.costs.time)} ms) with more fetches (${
         number(a.costs.fetches)} against ${number(b.costs.fetches)}).`);
   }
-  return parts.join(' ');
+  return parts.join(" ");
 }
 
 function paretoCard(group) {
@@ -199,16 +202,16 @@ function paretoCard(group) {
   const fronts = frontsOf(settings);
   const yDomain = logDomain(settings.filter((x) => x.costs.time > 0).map((x) => x.error), 1.35);
   return h(
-      'div', {class: 'pair pareto-card'}, h('h3', {}, group.name),
-      h('p', {class: 'lead', style: 'grid-column: 1 / -1'}, `${settings.length} settings. `,
-        group.sums > 1 && 'Errors are against the truth of the profile itself. ',
+      "div", {class: "pair pareto-card"}, h("h3", {}, group.name),
+      h("p", {class: "lead", style: "grid-column: 1 / -1"}, `${settings.length} settings. `,
+        group.sums > 1 && "Errors are against the truth of the profile itself. ",
         group.sizes > 1 &&
-            'A smaller frame\u2019s error is over its own pixels; its cost is over those of the largest. ',
-        h('span', {class: 'fronts-sentence'}, frontsSentence(fronts))),
+            "A smaller frame\u2019s error is over its own pixels; its cost is over those of the largest. ",
+        h("span", {class: "fronts-sentence"}, frontsSentence(fronts))),
       PARETO_AXES.map(
-          (axis) => h('figure', {class: 'panel'}, paretoChart(group, settings, fronts, axis, yDomain))),
-      h('figure', {class: 'panel legend kinds'},
-        kindsOf(settings).map((name) => h('span', {class: 'method', title: name}, swatch(name), name))),
-      h('figure', {class: 'panel', style: 'grid-column: 1 / -1; white-space: nowrap'},
+          (axis) => h("figure", {class: "panel"}, paretoChart(group, settings, fronts, axis, yDomain))),
+      h("figure", {class: "panel legend kinds"},
+        kindsOf(settings).map((name) => h("span", {class: "method", title: name}, swatch(name), name))),
+      h("figure", {class: "panel", style: "grid-column: 1 / -1; white-space: nowrap"},
         frontTable(group, fronts)));
 }

@@ -10,14 +10,14 @@ const SCATTER = {
 };
 
 const runTip =
-    (run) => [run.label + (isDistinguishable(run) ? '' : ' (not distinguishable)'),
+    (run) => [run.label + (isDistinguishable(run) ? "" : " (not distinguishable)"),
               `error ${percent(relativeError(run))}`,
-              `frame ${number(frameMs(run))} ms (${number(lookUp(run, 'cost.frame_ms.min').value)}..${
-                  number(lookUp(run, 'cost.frame_ms.max').value)})`,
+              `frame ${number(frameMs(run))} ms (${number(lookUp(run, "cost.frame_ms.min").value)}..${
+                  number(lookUp(run, "cost.frame_ms.max").value)})`,
               `${number(fetches(run))} fetches, ${
-                  count(lookUp(run, 'cost.bytes_per_pixel').value)} bytes per skin pixel`,
-              'settings: ' + settingsText(run.settings)]
-                 .join('\n');
+                  count(lookUp(run, "cost.bytes_per_pixel").value)} bytes per skin pixel`,
+              "settings: " + settingsText(run.settings)]
+                 .join("\n");
 
 // Of many settings, those of the front alone are labelled.
 const MOST_LABELLED = 16;
@@ -42,8 +42,8 @@ function frontSeries(front, x, y) {
   }
   if (corners.length > 0) corners.push({x: x.to, y: level});
   return {
-    name: 'Pareto front',
-    colour: 'var(--soft)',
+    name: "Pareto front",
+    colour: "var(--soft)",
     line: 1.3,
     quiet: true,
     obstacle: true,
@@ -54,21 +54,21 @@ function frontSeries(front, x, y) {
 // The error that the reader asked for, where the axis has it.
 function thresholdLevels(y) {
   const at = 100 * summaryState.threshold;
-  return isOn(y, at) ? [{axis: 'y', at, kind: 'level', text: `${Number(at.toPrecision(4))} %`}] : [];
+  return isOn(y, at) ? [{axis: "y", at, kind: "level", text: `${Number(at.toPrecision(4))} %`}] : [];
 }
 
 const baselineLevel = (run) => ({
-  axis: 'y',
+  axis: "y",
   at: 100 * relativeError(run),
-  kind: 'baseline',
+  kind: "baseline",
   text: `${run.label}: ${percent(relativeError(run))}, no pass`
 });
 
-const runName = (run) => run.label + (isDistinguishable(run) ? '' : ' (not distinguishable)');
+const runName = (run) => run.label + (isDistinguishable(run) ? "" : " (not distinguishable)");
 const caseOf = (run) => cases.find((c) => c.view === run.view && c.profile === run.profile);
-const showRun = (run) => openViewer(caseOf(run), run.label, 'magnitude');
+const showRun = (run) => openViewer(caseOf(run), run.label, "magnitude");
 const runWhisker = (run) =>
-    ({least: lookUp(run, 'cost.frame_ms.min').value, most: lookUp(run, 'cost.frame_ms.max').value});
+    ({least: lookUp(run, "cost.frame_ms.min").value, most: lookUp(run, "cost.frame_ms.max").value});
 
 function runSeries(run, point) {
   const style = styleOf(run.label);
@@ -82,8 +82,8 @@ function runSeries(run, point) {
 
 // `axis`: {cost(run), label, domain, whiskers}.
 function scatterChart(c, axis, yDomain) {
-  const x = {title: axis.label, scale: 'log', from: axis.domain[0], to: axis.domain[1]};
-  const y = {title: 'RMSE / RMS of truth, %', scale: 'log', from: yDomain[0], to: yDomain[1]};
+  const x = {title: axis.label, scale: "log", from: axis.domain[0], to: axis.domain[1]};
+  const y = {title: "RMSE / RMS of truth, %", scale: "log", from: yDomain[0], to: yDomain[1]};
   const shown = costed(c).filter((run) => isNumber(axis.cost(run)) && relativeError(run) > 0);
   const points = shown.map((run) => ({
                              run,
@@ -94,11 +94,11 @@ function scatterChart(c, axis, yDomain) {
   const isLabelled = (p) => paid.length <= MOST_LABELLED || front.includes(p);
   return chartElement({
     name: `${axis.label} against relative RMSE, ${caseName(c)}`,
-    attributes: {class: 'scatter'},
+    attributes: {class: "scatter"},
     size: SCATTER,
     x,
     y,
-    hover: 'point',
+    hover: "point",
     levels: [...thresholdLevels(y), ...points.filter((p) => p.cost === 0).map((p) => baselineLevel(p.run))],
     series: [
       frontSeries(front, x, y), ...paid.map((p) => runSeries(p.run, {
@@ -116,43 +116,43 @@ function costCharts() {
   const paid = runs.filter((run) => run.metrics && !isFree(run));
   const time = {
     cost: frameMs,
-    label: 'Frame time, ms',
+    label: "Frame time, ms",
     whiskers: true,
     domain: logDomain(
         paid.flatMap(
             (run) =>
-                [frameMs(run), lookUp(run, 'cost.frame_ms.min').value,
-                 lookUp(run, 'cost.frame_ms.max').value]),
+                [frameMs(run), lookUp(run, "cost.frame_ms.min").value,
+                 lookUp(run, "cost.frame_ms.max").value]),
         1.35)
   };
   const work = {
     cost: fetches,
-    label: 'Texture fetches per skin pixel',
+    label: "Texture fetches per skin pixel",
     domain: logDomain(paid.map(fetches), 1.5)
   };
   // What cannot be told from the truth stands at the lower edge, wherever below it its error lies.
   const yDomain =
       logDomain(runs.filter(isDistinguishable).map((run) => 100 * (relativeError(run) || 0)), 1.35);
   return h(
-      'div', {id: 'cost-charts'}, paretoGroups().filter((group) => group.cases.length > 1).map(paretoCard),
+      "div", {id: "cost-charts"}, paretoGroups().filter((group) => group.cases.length > 1).map(paretoCard),
       paretoGroups()
           .filter((group) => group.cases.length === 1 && costed(group.cases[0]).length > 0)
           .map((group) => group.cases[0])
           .map(
               (c) =>
-                  h('div', {class: 'pair'}, h('h3', {}, caseName(c)),
-                    h('figure', {class: 'panel'}, scatterChart(c, time, yDomain)),
-                    h('figure', {class: 'panel'}, scatterChart(c, work, yDomain)))));
+                  h("div", {class: "pair"}, h("h3", {}, caseName(c)),
+                    h("figure", {class: "panel"}, scatterChart(c, time, yDomain)),
+                    h("figure", {class: "panel"}, scatterChart(c, work, yDomain)))));
 }
 
 function costSection() {
   return section(
-      'speed', 'Speed against accuracy',
+      "speed", "Speed against accuracy",
       [
         timingNote(),
-        ' Whiskers run from the least to the most. The line is the Pareto front: nothing below and to ' +
-            'the left of it. Left by time, right by fetches, ' +
-            'which do not depend on the rasteriser; same axes everywhere. A click on a point shows its pictures.'
+        " Whiskers run from the least to the most. The line is the Pareto front: nothing below and to " +
+            "the left of it. Left by time, right by fetches, " +
+            "which do not depend on the rasteriser; same axes everywhere. A click on a point shows its pictures."
       ],
       costCharts(), chartNote());
 }

@@ -12,18 +12,18 @@ function stretchTable(c, channel) {
   const shown = bins.map((_, i) => i).filter((i) => bins[i].pixels > 0);
   if (shown.length === 0) return null;
   const cell = (bin) => h(
-      "td", {title: `bias ${number(inErrorUnits(bin.bias), true)} ${errorUnit}`},
+      "td", {title: `bias ${number(inErrorUnits(bin.bias), true)} ${errorUnit}`, "data-value": isNumber(bin.rel_rmse) ? bin.rel_rmse : ""},
       isNumber(bin.rel_rmse) ? percent(bin.rel_rmse) : EN_DASH);
   return h(
       "div", {class: "scroll panel"},
-      h("table", {class: "metrics stretch"},
+      sortable(h("table", {class: "metrics stretch"},
         h("thead", {},
           h("tr", {}, h("th", {}, "Stretch"), shown.map((i) => h("th", {}, stretchTitle(bins[i])))),
           h("tr", {}, h("th", {}, "skin pixels"), shown.map((i) => h("th", {}, count(bins[i].pixels))))),
         h("tbody", {},
           rows.filter((row) => row.bins.length > 0)
               .map(({run, bins: own}) => h(
-                       "tr", {}, h("th", {scope: "row"}, methodName(run.label)), shown.map((i) => cell(own[i])))))));
+                       "tr", {}, h("th", {scope: "row"}, methodName(run.label)), shown.map((i) => cell(own[i])))))), "stretch", 0));
 }
 
 function seamRows(channel) {

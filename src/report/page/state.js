@@ -38,6 +38,7 @@ function savedViewer() {
 
 function stateOfPage() {
   const {c, kind, compareKind, left, right, split, zoom, x, y, exposure, channel, region} = viewerState;
+  const sort = sortStates.get("metrics");
   const short = (value) => String(Number(value.toFixed(4)));
   return {
     view: c.view,
@@ -53,7 +54,7 @@ function stateOfPage() {
     exposure: exposure === 0 ? null : short(exposure),
     channel: channel === "luminance" ? null : channel,
     region: region && [region.x0, region.y0, region.x1, region.y1].map(short).join(","),
-    sort: tableState.sort && `${tableState.descending ? "-" : ""}${tableState.sort}`,
+    sort: sort && `${sort.descending ? "-" : ""}${sort.column}`,
     theme: document.documentElement.dataset.theme
   };
 }

@@ -346,7 +346,7 @@ function matrixRow(label, largest) {
       return h("td", {class: "muted", title: run ? run.skipped : "not run"}, run ? "skipped" : EN_DASH);
     const value = relativeError(run);
     return h(
-        "td", {class: run === best(c) ? "best" : ""},
+        "td", {class: run === best(c) ? "best" : "", "data-value": value === null ? "" : value},
         isDistinguishable(run) &&
             h("span", {class: "bar"},
               h("i", {style: `width:${100 * (value || 0) / largest}%;background:${styleOf(label).colour}`})),
@@ -366,15 +366,15 @@ function matrix() {
   return h(
       "div", {class: "scroll"},
       // As wide as its names and values are, and scrolled where that is too much.
-      h("table", {class: "matrix", style: `min-width: ${190 + 76 * cases.length}px`},
+      sortable(h("table", {class: "matrix", style: `min-width: ${190 + 76 * cases.length}px`},
         h("caption", {},
           "RMSE of luminance relative to the truth\u2019s RMS. Headline target: " + headlineTarget + "."),
         h("thead", {},
-          h("tr", {}, h("th", {}),
+          h("tr", {}, h("th", {}, "Method"),
             cases.map(
                 (c) =>
                     h("th", {scope: "col"}, c.view, h("small", {}, sweepValue(c.view) || profileTitle(c.profile)))))),
-        h("tbody", {}, rows.map((label) => matrixRow(label, largest)))));
+        h("tbody", {}, rows.map((label) => matrixRow(label, largest)))), "matrix"));
 }
 
 function overview() {

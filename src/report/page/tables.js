@@ -194,44 +194,13 @@ const COLUMNS = [
   }
 ];
 
-// `sort`: a column's key; null: by the relative RMSE.
 const tableState = {
-  sort: null,
-  descending: false,
   channel: "luminance"
 };
 const columnKey = (column) => `${column.group}.${column.name}`.replaceAll(" ", "");
 
-// What has no value stands last, either way.
-function sortedRuns(c, channel) {
-  const byDefault = [...c.runs].sort(byError);
-  const column = COLUMNS.find((other) => columnKey(other) === tableState.sort);
-  if (tableState.sort === "method")
-    byDefault.sort((a, b) => a.label.localeCompare(b.label));
-  else if (column) {
-    const valueOf = (run) => column.get(run, channel).value;
-    const valued = byDefault.filter((run) => valueOf(run) !== null).sort((a, b) => valueOf(a) - valueOf(b));
-    if (tableState.descending) valued.reverse();
-    return [...valued, ...byDefault.filter((run) => valueOf(run) === null)];
-  }
-  return tableState.descending ? byDefault.reverse() : byDefault;
-}
-
-function sortBy(key) {
-  tableState.descending = tableState.sort === key && !tableState.descending;
-  tableState.sort = key;
-  showTables();
-  saveState();
-}
-
-function sortHead(key, text, attributes, unit) {
-  const on = tableState.sort === key, order = on && (tableState.descending ? "descending" : "ascending");
-  return h(
-      "th", {scope: "col", "aria-sort": order, "data-sort": key, ...attributes},
-      h("button", {type: "button", onclick: () => sortBy(key)}, text,
-        on && (tableState.descending ? " \u25be" : " \u25b4")),
-      unit && h("small", {}, unit));
-}
+const sortHead = (key, text, attributes, unit) =>
+    h("th", {"data-sort": key, ...attributes}, text, unit && h("small", {}, unit));
 
 // The best of a column among a case's runs; nothing where there is no contest.
 function bestOf(column, caseRuns, channel) {
@@ -265,7 +234,8 @@ function valueCell(column, run, found, text, isBest, largest) {
       "td", {
         class:
             [isBest ? "best" : "", found.value === null ? "dash" : "", title ? "noted" : ""].join(" ").trim(),
-        title: title || null
+        title: title || null,
+        "data-value": found.value === null ? "" : found.value
       },
       column.bar &&
           h("span", {class: "bar"}, h("i", {
@@ -277,7 +247,7 @@ function valueCell(column, run, found, text, isBest, largest) {
 }
 
 function tableRows(c, channel) {
-  const ordered = sortedRuns(c, channel);
+  const ordered = [...c.runs].sort(byError);
   const columns = COLUMNS.map((column) => {
     const found = ordered.map((run) => column.get(run, channel));
     const texts = found.map((f) => (column.format || number)(f.value, column.signed));
@@ -359,7 +329,9 @@ function caseTable(c, channel) {
         channel === "luminance" ? null : h("span", {class: "muted"}, ` ${channelName(channel)} channel`),
         h("span", {class: "muted"}, measuredNote(c))),
       h("div", {class: "scroll panel"},
-        h("table", {class: "metrics"}, tableHead(), h("tbody", {}, tableRows(c, channel), skippedRows(c)))),
+        sortable(
+            h("table", {class: "metrics"}, tableHead(), h("tbody", {}, tableRows(c, channel), skippedRows(c))),
+            "metrics")),
       dashNotes(c, channel), fitTable(c, channel), pathTable(c));
 }
 
@@ -387,8 +359,7 @@ function showTables() {
 function tableSection() {
   tableState.element = h("div", {});
   if (saved.sort) {
-    tableState.descending = saved.sort.startsWith("-");
-    tableState.sort = saved.sort.replace(/^-/, "");
+    sortStates.set("metrics", {column: saved.sort.replace(/^-/, ""), descending: saved.sort.startsWith("-")});
   }
   showTables();
   const channel = choice("Channel", CHANNELS, tableState.channel, (value) => {
@@ -399,7 +370,7 @@ function tableSection() {
       "metrics", "Metrics and costs",
       [
         h("b", {}, `Headline target: ${headlineTarget}`),
-        ". Sorted by relative RMSE until a column\u2019s head is clicked; the best of each column is lit (methods without a pass do not " +
+        ". Every table sorts by a click on a column\u2019s head, this one by relative RMSE until then; the best of each column is lit (methods without a pass do not " +
             "compete on cost). ",
         "Own-target RMSE is the filter\u2019s error, against the very integral that the method aims at; " +
             "the rest of the headline RMSE is the model\u2019s error, of aiming at that integral. ",

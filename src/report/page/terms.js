@@ -31,7 +31,7 @@ function termGroups() {
 }
 
 const relative = (part, channel) => {
-  const value = lookUp(channelOf((part || {}).metrics, channel), 'rel_rmse').value;
+  const value = lookUp(channelOf((part || {}).metrics, channel), "rel_rmse").value;
   return isNumber(value) ? 100 * value : null;
 };
 
@@ -54,21 +54,21 @@ function termSeries(group, channel) {
     const shared = {colour, line: 1.6, marker: shape, size: DOT};
     return [
       {name: label, ...shared, points: points(label, error, run)}, {
-        name: '',
+        name: "",
         of: label,
         ...shared,
-        dash: '5 4',
+        dash: "5 4",
         points: points(`${label}, its convolution alone`, convolution, run)
       }
     ];
   };
-  const alone = 'the Gaussians alone';
+  const alone = "the Gaussians alone";
   return [
     {
       name: alone,
-      colour: 'var(--ink)',
+      colour: "var(--ink)",
       line: 2.5,
-      marker: 'circle',
+      marker: "circle",
       size: DOT,
       points: points(alone, (sum) => sum.fit)
     },
@@ -81,20 +81,20 @@ function termsChart(group, channel) {
   const [from, to] = logDomain(series.flatMap((one) => drawnPoints(one).map((point) => point.y)), 1.3);
   return chartElement({
     name: `Error against the number of Gaussians, ${group.of}, ${group.view}`,
-    attributes: {class: 'terms'},
+    attributes: {class: "terms"},
     size: TERMS,
     x: withRoom(
         {
-          title: 'Gaussians',
-          scale: 'linear',
+          title: "Gaussians",
+          scale: "linear",
           from: Math.min(...counts),
           to: Math.max(...counts),
           ticks: counts,
-          prefix: 'Gaussians: '
+          prefix: "Gaussians: "
         },
         0.04),
-    y: {title: 'RMSE / RMS of the profile\u2019s truth, %', scale: 'log', from, to},
-    hover: 'column',
+    y: {title: "RMSE / RMS of the profile\u2019s truth, %", scale: "log", from, to},
+    hover: "column",
     named: true,
     series
   });
@@ -107,9 +107,9 @@ function termsSentence(group, channel) {
   return others.filter((series) => series.of)
       .map((series) => {
         const found = drawnPoints(series).find((point) => isNumber(own(point.x)) && own(point.x) < point.y);
-        return `${series.of}: ${found ? plural(found.x, 'Gaussian') : 'more than shown'}`;
+        return `${series.of}: ${found ? plural(found.x, "Gaussian") : "more than shown"}`;
       })
-      .join('; ');
+      .join("; ");
 }
 
 function termsSection() {
@@ -117,16 +117,16 @@ function termsSection() {
   if (groups.length === 0) return null;
   const cards = (channel) => groups.map(
       (group) => h(
-          'div', {class: 'panel card'}, h('h3', {}, `${group.of}, ${group.view}`), termsChart(group, channel),
-          h('p', {class: 'muted'},
-            'The fewest Gaussians whose own error is below what the convolution errs by: ',
-            termsSentence(group, channel), '.')));
-  const body = h('div', {class: 'charts'}, cards('luminance'));
-  const channel = choice('Channel', CHANNELS, 'luminance', (value) => body.replaceChildren(...cards(value)));
+          "div", {class: "panel card"}, h("h3", {}, `${group.of}, ${group.view}`), termsChart(group, channel),
+          h("p", {class: "muted"},
+            "The fewest Gaussians whose own error is below what the convolution errs by: ",
+            termsSentence(group, channel), ".")));
+  const body = h("div", {class: "charts"}, cards("luminance"));
+  const channel = choice("Channel", CHANNELS, "luminance", (value) => body.replaceChildren(...cards(value)));
   return section(
-      'terms', 'How many Gaussians',
-      'Solid: a method against the truth of the profile itself. Dashed: its convolution alone, against the ' +
-          'truth of its own Gaussians. Thick: those Gaussians\u2019 truth against the profile\u2019s. Where the ' +
-          'thick line lies below a dashed one, more Gaussians buy nothing.',
-      h('div', {class: 'controls'}, channel.element), body, chartNote());
+      "terms", "How many Gaussians",
+      "Solid: a method against the truth of the profile itself. Dashed: its convolution alone, against the " +
+          "truth of its own Gaussians. Thick: those Gaussians\u2019 truth against the profile\u2019s. Where the " +
+          "thick line lies below a dashed one, more Gaussians buy nothing.",
+      h("div", {class: "controls"}, channel.element), body, chartNote());
 }

@@ -240,6 +240,33 @@ class ReportInBrowser(unittest.TestCase):
         self.assertEqual(self.page.evaluate(
             "document.querySelector('th[data-sort=\"Error.max\"]').getAttribute('aria-sort')"), "descending")
 
+        self.page.evaluate(button)
+        self.assertEqual(self.page.evaluate(order), self.methods())
+
+    def test_the_first_table_sorts_by_the_keyboard(self):
+        order = "[...document.querySelectorAll('.matrix tbody th')].map((th) => th.textContent.trim())"
+        self.page.evaluate("document.querySelectorAll('.matrix thead button')[1].focus()")
+        sort = "document.querySelectorAll('.matrix thead th')[1].getAttribute('aria-sort')"
+        self.assertIsNone(self.page.evaluate(sort))
+        for wanted, name in ((self.methods(), "ascending"), (self.methods()[::-1], "descending")):
+            self.page.call("Input.dispatchKeyEvent", {"type": "keyDown", "key": "Enter", "code": "Enter", "text": "\r",
+                                                      "windowsVirtualKeyCode": 13})
+            self.page.call("Input.dispatchKeyEvent", {"type": "keyUp", "key": "Enter", "code": "Enter"})
+            self.assertEqual(self.page.evaluate(order), wanted)
+            self.assertEqual(self.page.evaluate(sort), name)
+
+    def test_every_table_of_more_than_two_rows_sorts(self):
+        found = self.page.evaluate("""[...document.querySelectorAll("table")].filter((t) => t.tBodies[0].rows.length > 2)
+          .map((t) => [t.className, t.tHead.querySelectorAll("th[data-sort] button").length, t.tBodies[0].rows[0].cells.length])""")
+        self.assertGreater(len(found), 2)
+        for name, heads, cells in found:
+            self.assertEqual(heads, cells, name)
+
+    def test_shown_numbers_sort_by_what_they_say(self):
+        for text, value in (("2.5\u202f\u00d7\u202f10\u207b\u2075", 2.5e-5), ("10\u207b\u00b3", 1e-3), ("\u22121.5 %", -1.5),
+                            ("12\u202f345", 12345), ("<0.0001", 0.0001), ("10", 10), ("\u2013", None), ("none", "none")):
+            self.assertEqual(self.page.evaluate(f"sortValue(h('td', {{}}, {json.dumps(text)}))"), value, text)
+
     def test_stretch_has_the_errors_of_the_results(self):
         rows = self.page.evaluate("[...document.querySelectorAll('table.stretch tbody tr')].map((row) => "
                                   "[...row.querySelectorAll('th, td')].map((cell) => cell.textContent.trim()))")
@@ -347,8 +374,8 @@ class SavedState(ReportInBrowser):
     state = "#view=front&method=none&as=false&zoom=2&x=-0.5&y=-0.25&exposure=1&channel=g&sort=-Error.max&theme=dark"
 
     def test_comes_back(self):
-        shown = self.page.evaluate("({...viewerState, c: 0, loaded: 0, table: tableState.sort, "
-                                   "down: tableState.descending, theme: document.documentElement.dataset.theme})")
+        shown = self.page.evaluate("({...viewerState, c: 0, loaded: 0, table: sortStates.get('metrics').column, "
+                                   "down: sortStates.get('metrics').descending, theme: document.documentElement.dataset.theme})")
         for name, value in {"right": "none", "compareKind": "false", "zoom": 2, "x": -0.5, "y": -0.25, "exposure": 1,
                             "channel": "g", "table": "Error.max", "down": True, "theme": "dark"}.items():
             self.assertEqual(shown[name], value, name)
