@@ -153,9 +153,14 @@ Image read_linear_colours(const std::filesystem::path& path, std::vector<std::st
   return image;
 }
 
-Image read_exr_layer(const std::filesystem::path& path, const std::string& layer) {
-  std::vector<std::string> names;
-  const Image all = read_linear_colours(path, &names);
+LayeredImage read_layered_image(const std::filesystem::path& path) {
+  LayeredImage result{path, {}, {}};
+  result.channels = read_linear_colours(path, &result.names);
+  return result;
+}
+
+Image layer_of(const LayeredImage& image_file, const std::string& layer) {
+  const auto& [path, all, names] = image_file;
   std::vector<int> chosen;
   for (std::size_t c = 0; c < names.size(); ++c) {
     const bool inside =
@@ -177,8 +182,9 @@ Image read_exr_layer(const std::filesystem::path& path, const std::string& layer
   return image;
 }
 
-Image read_rgb(const std::filesystem::path& path, const std::string& layer) {
-  const Image all = read_exr_layer(path, layer);
+Image rgb_of(const LayeredImage& image_file, const std::string& layer) {
+  const std::filesystem::path& path = image_file.path;
+  const Image all = layer_of(image_file, layer);
   if (all.channels() < 3) {
     throw_input_error({path.string()}, "has {} {} channels; R, G, B are needed", all.channels(),
                       layer.empty() ? "plain" : "'" + layer + "'");
@@ -191,6 +197,14 @@ Image read_rgb(const std::filesystem::path& path, const std::string& layer) {
     if (!std::isfinite(v)) throw_input_error({path.string()}, "holds a value that is not finite");
   }
   return image;
+}
+
+Image read_exr_layer(const std::filesystem::path& path, const std::string& layer) {
+  return layer_of(read_layered_image(path), layer);
+}
+
+Image read_rgb(const std::filesystem::path& path, const std::string& layer) {
+  return rgb_of(read_layered_image(path), layer);
 }
 
 }  // namespace truescatter

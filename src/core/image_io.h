@@ -34,12 +34,27 @@ Image read_image(const std::filesystem::path& path, std::vector<std::string>* ch
 Image read_linear_colours(const std::filesystem::path& path,
                           std::vector<std::string>* channel_names = nullptr);
 
-// Reads one layer of an EXR: the channels whose name starts with "<layer>.", or where it is empty the
-// bare suffixes, which have one letter. Of another format, its colours as read_linear_colours reads them.
-Image read_exr_layer(const std::filesystem::path& path, const std::string& layer);
+// A file with all of its channels, decoded once for however many layers are wanted of it.
+struct LayeredImage {
+  std::filesystem::path path;
+  Image channels;
+  std::vector<std::string> names;  // the channels'
+};
+
+// Reads a file as read_linear_colours does.
+LayeredImage read_layered_image(const std::filesystem::path& path);
+
+// One layer of an EXR: the channels whose name starts with "<layer>.", or where it is empty the bare
+// suffixes, which have one letter. Of another format, its colours. Throws Error (input) that names the file
+// where it has no such layer.
+Image layer_of(const LayeredImage& image_file, const std::string& layer);
 
 // The layer's R, G, B, or its first three channels. Throws Error (input) that names the file too where it has
 // fewer, or a value that is not finite.
+Image rgb_of(const LayeredImage& image_file, const std::string& layer = "");
+
+// One layer of a file that is read for it alone.
+Image read_exr_layer(const std::filesystem::path& path, const std::string& layer);
 Image read_rgb(const std::filesystem::path& path, const std::string& layer = "");
 
 }  // namespace truescatter

@@ -44,10 +44,10 @@ std::vector<Source> sources_of(const json& results, const std::filesystem::path&
   return sources;
 }
 
-Image measured_pixels(const std::filesystem::path& file, bool is_truth) {
-  Image mask = read_exr_layer(file, "mask");
+Image measured_pixels(const LayeredImage& file, bool is_truth) {
+  Image mask = layer_of(file, "mask");
   if (!is_truth) return mask;
-  const Image mass = read_exr_layer(file, "mass");
+  const Image mass = layer_of(file, "mass");
   for (std::size_t i = 0; i < mask.data().size(); ++i) {
     if (mass.data()[i] < kSmallMass) mask.data()[i] = 0.0F;
   }
@@ -82,8 +82,10 @@ std::string deflated(const std::string& bytes) {
   return result;
 }
 
-json value_map(const std::filesystem::path& file, bool is_truth, int stride) {
-  const QuantizedImage image = quantized(read_rgb(file), measured_pixels(file, is_truth), stride);
+json value_map(const std::filesystem::path& path, bool is_truth, int stride) {
+  // Decoded once: that is most of the work.
+  const LayeredImage file = read_layered_image(path);
+  const QuantizedImage image = quantized(rgb_of(file), measured_pixels(file, is_truth), stride);
   return {{"width", image.width},
           {"height", image.height},
           {"low", image.low},
