@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/progress.h"
+#include "experiment/result_json.h"
 #include "irradiance/shading_mesh.h"
 #include "methods/frame.h"
 #include "methods/passes.h"
@@ -145,8 +146,26 @@ double cut_variance_share(double variance_mm2, double r_max_mm) {
   return 1.0 - x / std::expm1(x);
 }
 
-json measure_filter_widths(const gpu::Context& context, const Plan& plan, const SurfaceBuffers& scene) {
-  const auto width_of = [&](const Profile& profile, const std::string& rung) -> json {
+namespace {
+
+FilterWidth width_of(const gpu::Context& context, const Profile& profile, const PlannedMethod& planned,
+                     const SurfaceBuffers& scene, KnownWidths& known) {
+  // UVs matter to what filters in texture space alone.
+  const double mm_per_uv_unit = planned.method->needs_uvs ? scene.mean_mm_per_uv_unit() : 0.0;
+  const json key = {planned.label, settings_json(planned.settings), profile_json(profile), mm_per_uv_unit};
+  const std::string name = key.dump();
+  if (const auto found = known.find(name); found != known.end()) return found->second;
+  const FilterWidth width =
+      FilterWidthProbe(context, profile, mm_per_uv_unit).measure(*planned.method, planned.settings);
+  known.emplace(name, width);
+  return width;
+}
+
+}  // namespace
+
+json measure_filter_widths(const gpu::Context& context, const Plan& plan, const SurfaceBuffers& scene,
+                           KnownWidths& known) {
+  const auto width_of_rung = [&](const Profile& profile, const std::string& rung) -> json {
     if (profile.terms.empty()) return nullptr;
     const double v = std::pow(profile.widest_std_dev_mm(), 2);
     if (rung.starts_with("truth-")) {
@@ -158,8 +177,7 @@ json measure_filter_widths(const gpu::Context& context, const Plan& plan, const 
                                      [&](const PlannedMethod& m) { return m.label == rung; });
     if (method == plan.methods.end() || method->pictures != nullptr || is_skipped(*method, scene.has_uvs()))
       return nullptr;
-    return filter_width_json(FilterWidthProbe(context, profile, scene.mean_mm_per_uv_unit())
-                                 .measure(*method->method, method->settings));
+    return filter_width_json(width_of(context, profile, *method, scene, known));
   };
   std::set<std::string> rungs;
   for (const LadderSpec& ladder : plan.ladders) {
@@ -170,7 +188,7 @@ json measure_filter_widths(const gpu::Context& context, const Plan& plan, const 
   for (const Profile& profile : plan.profiles) {
     for (const std::string& rung : rungs) {
       widths.push_back(
-          {{"profile", profile.name}, {"rung", rung}, {"filter_width", width_of(profile, rung)}});
+          {{"profile", profile.name}, {"rung", rung}, {"filter_width", width_of_rung(profile, rung)}});
       progress.advance();
     }
   }

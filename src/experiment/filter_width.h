@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "experiment/plan.h"
 #include "gpu/context.h"
@@ -54,11 +56,14 @@ class FilterWidthProbe {
 // off.
 double cut_variance_share(double variance_mm2, double r_max_mm);
 
+// Widths that are known, by what they depend on: a sweep's scenes share most of them.
+using KnownWidths = std::map<std::string, FilterWidth>;
+
 // Of every profile and every rung of the plan's ladders, each once: `profile`, `rung` (its name) and
 // `filter_width`: facing, along_slope, across_slope and slope_deg; of a truth's rung, which does not care for
 // slopes, in closed form. Null where a profile has no Gaussian, where the method is pictures, and where it is
-// skipped.
+// skipped. What is measured is added to `known`.
 nlohmann::json measure_filter_widths(const gpu::Context& context, const Plan& plan,
-                                     const SurfaceBuffers& scene);
+                                     const SurfaceBuffers& scene, KnownWidths& known);
 
 }  // namespace truescatter

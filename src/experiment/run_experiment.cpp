@@ -37,6 +37,7 @@ struct Shared {
   const PieceStore& pieces;
   std::filesystem::path inputs;
   std::filesystem::path passes;
+  KnownWidths& widths;
 };
 
 // Computes the pieces of a scene that are not finished.
@@ -55,7 +56,7 @@ void run_scene(const ScenePlan& what, const Shared& shared) {
   for (const ViewSpec& view : spec.views) run_view(setup, view);
   for (const Piece& piece : pieces_of(spec, plan)) {
     if (piece.kind == Piece::Kind::widths && !shared.pieces.has(piece))
-      shared.pieces.keep(piece, measure_filter_widths(shared.context, plan, buffers));
+      shared.pieces.keep(piece, measure_filter_widths(shared.context, plan, buffers, shared.widths));
   }
 }
 
@@ -144,7 +145,8 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   PieceStore pieces(folder);
   const json key = start_pieces(pieces, key_of(context, spec, options), options.resume);
   say_finished(scenes, pieces);
-  run_scenes(spec, scenes, {context, cache, wrap, pieces, inputs, passes});
+  KnownWidths widths;
+  run_scenes(spec, scenes, {context, cache, wrap, pieces, inputs, passes, widths});
 
   json results = join_pieces(spec, scenes, pieces);
   results["schema"] = kResultsSchema;
