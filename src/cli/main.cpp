@@ -58,7 +58,8 @@ int dispatch(int argc, char** argv) {
       "yet are skipped");
   run->add_flag("--export-passes", run_arguments.export_passes,
                 "Write the textures that methods name on their way as EXR and PNG, to passes/");
-  run->add_flag("--resume", run_arguments.resume, "Go on from what a run that was cut off has finished");
+  run->add_flag("--resume", run_arguments.resume, "Go on from what a run that was cut off has finished")
+      ->excludes("--dry-run");
   run->add_flag("--no-cache", run_arguments.no_cache, "Compute every truth, and keep none in the cache");
 
   TruthArguments truth_arguments;

@@ -229,6 +229,13 @@ class Resume(unittest.TestCase):
         self.assertIn("starting from the beginning", resumed.stderr)
         self.expect_the_same()
 
+    def test_a_dry_run_resumes_nothing(self):
+        self.cut_off(5)
+        refused = self.run_program("--resume", "--dry-run")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("--dry-run excludes --resume", refused.stderr)
+        self.assertGreaterEqual(len(self.pieces()), 5)
+
     def test_an_earlier_result_stays_until_the_end(self):
         self.run_program("--set", "name=before")
         self.cut_off(5)
