@@ -1,4 +1,5 @@
-// Small experiments against their golden results, which scripts/update-golden regenerates.
+// Small experiments against their golden results, which scripts/update-golden regenerates. One of the 13 taps
+// of pscbf at half its weight moves plane-shadow by 0.019, where 3e-5 are allowed.
 #include "regression/golden.h"
 
 #include <gtest/gtest.h>
