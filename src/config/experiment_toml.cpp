@@ -412,7 +412,8 @@ std::vector<MethodSpec> read_methods(TomlTable table) {
   method.name = table.text("name");
   method.where = table.where("name");
   method.label = table.text("label", method.name);
-  if (table.has("label")) check_file_name(table, "label", "method.label", method.label);
+  const char* label_key = table.has("label") ? "label" : "name";
+  check_file_name(table, label_key, std::string("method.") + label_key, method.label);
   if (method.label == "truth")
     table.fail("label", "'method.label' must not be \"truth\": the truth's own files have it");
   table.allow({"image", "pass", "grid"});

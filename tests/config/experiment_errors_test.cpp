@@ -270,6 +270,8 @@ const Broken kBroken[] = {
     {"SweepWithFewerPlaces", "[timing]",
      "[sweep]\nkey = \"truth.seed\"\nvalues = [1, 2, 3]\naxis_values = [1.0, 2.0]\n[timing]", ":22:15",
      "'sweep.axis_values' has 2 entries for 3 values"},
+    {"MethodOfNoFile", "name = \"none\"", "name = \"no.ne\"", ":17:8",
+     "'method.name' names files: letters, digits, '-' and '_' only"},
     {"SweepOfNoEntry", "[timing]", "[sweep]\nkey = \"light.9.type\"\nvalues = [1, 2]\n[timing]", ":20:7",
      "'sweep' at 1: --set light.9.type=1: '9' names no entry of this array (1 entries)"},
     {"SweepOutOfRange", "[timing]", "[sweep]\nkey = \"timing.repeats\"\nvalues = [1, 0]\n[timing]", ":20:7",
