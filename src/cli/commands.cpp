@@ -89,6 +89,8 @@ int compare_folders(const CompareArguments& arguments) {
   return 0;
 }
 
+constexpr const char* kHowToGoOn = "what is finished is kept; the same command with --resume goes on from it";
+
 RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunArguments& arguments) {
   const std::unique_ptr<TruthCache> cache =
       spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
@@ -103,7 +105,7 @@ RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunAr
     // The disk may have room again, and the driver another mood; what an experiment says wrong stays wrong.
     if (error.kind() == ErrorKind::run) {
       results.keep();
-      fmt::print(stderr, "note: what is finished is kept; the same command with --resume goes on from it\n");
+      fmt::print(stderr, "note: {}\n", kHowToGoOn);
     }
     throw;
   }
@@ -129,7 +131,7 @@ int run(const RunArguments& arguments) {
     return 0;
   }
   ResultFolder results(folder, arguments.resume);
-  const InterruptNote note("what is finished is kept; the same command with --resume goes on from it");
+  const InterruptNote note(kHowToGoOn);
   const RunOutcome outcome = run_in(results, spec, arguments);
   fmt::print("{}\n", (folder / "report.html").string());
   for (const std::string& line : outcome.exceeded) fmt::print(stderr, "exceeded: {}\n", line);

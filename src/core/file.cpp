@@ -66,6 +66,12 @@ void exchange_names_in_steps(const std::filesystem::path& a, const std::filesyst
   if (failure) throw_run_error("{}: cannot be replaced: {}", b.string(), failure.message());
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw_run_error("{}: cannot make this folder: {}", folder.string(), failure.message());
+}
+
 void write_text_file(const std::filesystem::path& path, std::string_view text) {
   const std::filesystem::path temporary = temporary_sibling(path);
   {

@@ -26,6 +26,9 @@ void exchange_names(const std::filesystem::path& a, const std::filesystem::path&
 void exchange_names_in_steps(const std::filesystem::path& a, const std::filesystem::path& b,
                              const std::filesystem::path& spare);
 
+// Makes a folder, and those above it, where they are missing. Throws Error (run) that names it.
+void make_folder(const std::filesystem::path& folder);
+
 // Writes a whole text file through a temporary and a rename, so that it appears whole or not at all.
 // Throws Error (run) that names the file.
 void write_text_file(const std::filesystem::path& path, std::string_view text);

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Makes PNGs of a view out of its EXRs; each job is one file.
+// Makes PNGs of a view out of its EXRs; each job reads one of them.
 class PictureJobs {
  public:
   PictureJobs(const ViewPictures& view, fs::path maps, const MapRanges& ranges)
@@ -25,7 +25,7 @@ class PictureJobs {
         images_(read_view_maps(view.images)),
         measured_(images_.mask) {
     for (const std::string& truth : view.truths)
-      measured_ = measured_mask(std::move(measured_), layer(truth, "mass"));
+      measured_ = measured_mask(std::move(measured_), layer_of(read(truth), "mass"));
     add_jobs();
   }
 
@@ -38,23 +38,17 @@ class PictureJobs {
   }
 
  private:
-  Image layer(const std::string& stem, const std::string& name) const {
-    return read_exr_layer(maps_ / (stem + ".exr"), name);
-  }
+  LayeredImage read(const std::string& stem) const { return read_layered_image(maps_ / (stem + ".exr")); }
 
   // What is shown of an exitance: with the albedo after the scattering.
-  void add_exitance(const std::string& stem) {
-    jobs_.emplace_back([this, stem] {
-      write_png(maps_ / (stem + ".png"),
-                display_picture(textured(layer(stem, ""), images_.albedo), view_.exposure));
-    });
+  void write_exitance(const std::string& stem, const LayeredImage& exr) const {
+    write_png(maps_ / (stem + ".png"),
+              display_picture(textured(layer_of(exr, ""), images_.albedo), view_.exposure));
   }
 
-  void add_map(const std::string& stem, const std::string& from, MapKind kind, const std::string& title) {
-    jobs_.emplace_back([this, stem, from, kind, title] {
-      const std::string file = stem + (kind == MapKind::magnitude ? ".abs.png" : ".signed.png");
-      write_png(maps_ / file, map_picture(layer(stem, from), measured_, kind, ranges_.errors, title));
-    });
+  void write_map(const std::string& stem, const Image& error, MapKind kind, const std::string& title) const {
+    const std::string file = stem + (kind == MapKind::magnitude ? ".abs.png" : ".signed.png");
+    write_png(maps_ / file, map_picture(error, measured_, kind, ranges_.errors, title));
   }
 
   void add_jobs() {
@@ -62,24 +56,33 @@ class PictureJobs {
       write_png(maps_ / (view_.name + ".irradiance.png"),
                 display_picture(images_.irradiance, view_.exposure));
     });
-    for (const std::string& truth : view_.truths) add_exitance(truth);
+    for (const std::string& truth : view_.truths)
+      jobs_.emplace_back([this, &truth] { write_exitance(truth, read(truth)); });
     for (const std::string& truth : view_.profile_truths) {
-      add_exitance(truth);
-      add_map(truth, "fit_error", MapKind::signed_error, "FIT ERROR LUMINANCE");
+      jobs_.emplace_back([this, &truth] {
+        const LayeredImage exr = read(truth);
+        write_exitance(truth, exr);
+        write_map(truth, layer_of(exr, "fit_error"), MapKind::signed_error, "FIT ERROR LUMINANCE");
+      });
     }
     for (const std::string& run : view_.runs) {
-      add_exitance(run);
-      add_map(run, "error", MapKind::magnitude, "|ERROR| LUMINANCE");
-      add_map(run, "error", MapKind::signed_error, "ERROR LUMINANCE");
+      jobs_.emplace_back([this, &run] {
+        const LayeredImage exr = read(run);
+        const Image error = layer_of(exr, "error");
+        write_exitance(run, exr);
+        write_map(run, error, MapKind::magnitude, "|ERROR| LUMINANCE");
+        write_map(run, error, MapKind::signed_error, "ERROR LUMINANCE");
+      });
     }
     for (const ViewPictures::Ladder& ladder : view_.ladders) {
-      for (const std::string& step : ladder.steps) {
-        jobs_.emplace_back([this, &ladder, &step] {
+      jobs_.emplace_back([this, &ladder] {
+        const LayeredImage exr = read(ladder.stem);
+        for (const std::string& step : ladder.steps) {
           write_png(maps_ / step_file(ladder.stem, step),
-                    map_picture(layer(ladder.stem, step), measured_, MapKind::signed_error,
-                                ranges_.ladder_steps, "STEP LUMINANCE"));
-        });
-      }
+                    map_picture(layer_of(exr, step), measured_, MapKind::signed_error, ranges_.ladder_steps,
+                                "STEP LUMINANCE"));
+        }
+      });
     }
   }
 
@@ -100,11 +103,10 @@ void write_view_maps(const fs::path& exr, const ViewImages& view) {
 }
 
 ViewImages read_view_maps(const fs::path& exr) {
-  std::vector<std::string> channels;
-  read_image(exr, &channels);
-  const bool has_albedo = std::find(channels.begin(), channels.end(), "albedo.R") != channels.end();
-  return {read_exr_layer(exr, "irradiance"), read_exr_layer(exr, "mask"),
-          has_albedo ? read_exr_layer(exr, "albedo") : Image()};
+  const LayeredImage view = read_layered_image(exr);
+  const bool has_albedo = std::find(view.names.begin(), view.names.end(), "albedo.R") != view.names.end();
+  return {layer_of(view, "irradiance"), layer_of(view, "mask"),
+          has_albedo ? layer_of(view, "albedo") : Image()};
 }
 
 void write_truth_maps(const fs::path& exr, const TruthMaps& truth) {

@@ -40,12 +40,6 @@ json read_json(const fs::path& file) {
   return read;
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure) throw_run_error("{}: cannot make this folder: {}", folder.string(), failure.message());
-}
-
 }  // namespace
 
 std::string Piece::stem() const {

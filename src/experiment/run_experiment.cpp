@@ -23,12 +23,6 @@ namespace {
 
 using nlohmann::json;
 
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) throw_run_error("{}: cannot make this folder: {}", folder.string(), failure.message());
-}
-
 // What a run shares between all its scenes.
 struct Shared {
   const gpu::Context& context;
