@@ -25,4 +25,8 @@ class JobLimit {
 // The number of threads that parallel_for uses now.
 int job_count();
 
+// How many of `jobs` that each hold so many bytes may run at once, so that together they hold 4 GiB at most;
+// one runs in any case.
+int jobs_within(double bytes_each, int jobs);
+
 }  // namespace truescatter

@@ -12,8 +12,6 @@ namespace {
 
 constexpr double kPlaneFactor = 4.0;
 constexpr double kMinimumGap_mm = 0.5;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 Vec3d pixel_ray(const ContourInputs& in, int x, int y) {
   const double column = x + 0.5 - 0.5 * in.mask.width();
   const double row = 0.5 * in.mask.height() - (y + 0.5);

@@ -8,8 +8,6 @@
 namespace truescatter {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // The lower envelope of parabolas: exact squared distances along one line, given those across it.
 void transform_line(std::vector<double>& f, std::vector<std::size_t>& source) {
   const std::size_t n = f.size();

@@ -319,22 +319,46 @@ ExposureRange hdr_flip_exposures(const Image& reference, const Image& mask, doub
   return {start, stop, std::max(2, static_cast<int>(std::ceil(stop - start)))};
 }
 
+double FlipReference::kept_bytes(double pixels) {
+  return pixels * 5.0 * sizeof(float);  // Perceived
+}
+
+int HdrFlipReference::kept_exposures(double pixels, int exposures, double most_bytes) {
+  const double fitting = std::floor(most_bytes / std::max(FlipReference::kept_bytes(pixels), 1.0));
+  return fitting >= exposures ? exposures : std::max(1, static_cast<int>(fitting));
+}
+
+double HdrFlipReference::kept_bytes(double pixels, int exposures) {
+  const int kept = kept_exposures(pixels, exposures, kMostBytes);
+  // With the reference itself, and one exposure at a time.
+  const double others =
+      kept < exposures ? pixels * 3.0 * sizeof(float) + FlipReference::kept_bytes(pixels) : 0.0;
+  return kept * FlipReference::kept_bytes(pixels) + others;
+}
+
 HdrFlipReference::HdrFlipReference(const Image& reference, const Image& mask, double least_light,
-                                   double pixels_per_degree)
-    : exposures_(hdr_flip_exposures(reference, mask, least_light)) {
+                                   double pixels_per_degree, double most_bytes)
+    : exposures_(hdr_flip_exposures(reference, mask, least_light)),
+      reference_(reference),
+      pixels_per_degree_(pixels_per_degree) {
+  const int kept = kept_exposures(static_cast<double>(reference.pixel_count()), exposures_.count, most_bytes);
+  for (int i = 0; i < kept; ++i) kept_.push_back(at_exposure(i));
+  if (kept == exposures_.count) reference_ = Image();
+}
+
+FlipReference HdrFlipReference::at_exposure(int index) const {
   const double step = (exposures_.stop - exposures_.start) / (exposures_.count - 1);
-  for (int i = 0; i < exposures_.count; ++i) {
-    const double factor = std::exp2(exposures_.start + i * step);
-    references_.push_back(FlipReference(reference, pixels_per_degree, [factor](const Vec3d& rgb) -> Vec3d {
-      return (factor * rgb).unaryExpr(&hdr_flip_tone);
-    }));
-  }
+  const double factor = std::exp2(exposures_.start + index * step);
+  return FlipReference(reference_, pixels_per_degree_, [factor](const Vec3d& rgb) -> Vec3d {
+    return (factor * rgb).unaryExpr(&hdr_flip_tone);
+  });
 }
 
 Image HdrFlipReference::map(const Image& test) const {
-  Image largest = references_.front().map(test);
-  for (std::size_t i = 1; i < references_.size(); ++i) {
-    const Image map = references_[i].map(test);
+  Image largest(test.width(), test.height(), 1);  // FLIP is at least 0
+  for (int i = 0; i < exposures_.count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Image map = at < kept_.size() ? kept_[at].map(test) : at_exposure(i).map(test);
     std::transform(map.data().begin(), map.data().end(), largest.data().begin(), largest.data().begin(),
                    [](float a, float b) { return std::max(a, b); });
   }

@@ -29,6 +29,9 @@ class FlipReference {
 
   Image map(const Image& test) const;
 
+  // What one keeps of a reference of so many pixels.
+  static double kept_bytes(double pixels);
+
  private:
   friend class HdrFlipReference;
   // With another display than the one that clips; it maps light to [0, 1].
@@ -59,18 +62,29 @@ ExposureRange hdr_flip_exposures(const Image& reference, const Image& mask, doub
 // The difference that a person sees between two pictures of high dynamic range at the exposure that shows it
 // most: HDR-FLIP of Andersson, Nilsson, Shirley & Akenine-Moeller 2021. Per pixel the largest LDR-FLIP over
 // exposures c of hdr_flip_tone(2^c reference) and hdr_flip_tone(2^c test). A factor on both pictures changes
-// nothing. What depends on the reference is computed once.
+// nothing. What depends on the reference is computed once for as many exposures as `most_bytes` holds, one at
+// least, and for the others again for each map.
 class HdrFlipReference {
  public:
+  static constexpr double kMostBytes = 1024.0 * 1024.0 * 1024.0;
+
   HdrFlipReference(const Image& reference, const Image& mask, double least_light = 0.0,
-                   double pixels_per_degree = 67.0206);
+                   double pixels_per_degree = 67.0206, double most_bytes = kMostBytes);
 
   Image map(const Image& test) const;
   const ExposureRange& exposures() const { return exposures_; }
 
+  // What one takes for a reference of so many pixels under so many exposures, a map of one included.
+  static double kept_bytes(double pixels, int exposures);
+
  private:
+  static int kept_exposures(double pixels, int exposures, double most_bytes);
+  FlipReference at_exposure(int index) const;
+
   ExposureRange exposures_;
-  std::vector<FlipReference> references_;  // one for each exposure
+  Image reference_;  // empty where every exposure is kept
+  double pixels_per_degree_;
+  std::vector<FlipReference> kept_;  // of the first exposures
 };
 
 // The mean of a map over the pixels where the mask is not 0; NaN without one.

@@ -7,7 +7,6 @@
 namespace truescatter {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kBandStdDevs = 3.0;
 constexpr double kRangeStdDevs = 6.0;
 constexpr double kWithin = 0.01;

@@ -25,7 +25,6 @@ LitAlone measure_dark(int component, const Image& exitance, const Image& dark) {
 
 Leak total_leak(const std::vector<LitAlone>& surfaces, double largest_irradiance) {
   assert(largest_irradiance > 0.0);
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   if (surfaces.empty()) return {kNan, kNan};
   double dark = 0.0;
   double lit = 0.0;

@@ -23,8 +23,8 @@ constexpr Effort kAFewSteps{4, 1e-8};
 // Of the mean relative error: where the error crosses 0 the majorant would be infinitely steep.
 constexpr double kFloorOfError = 1e-2;
 constexpr int kRestarts = 20;
-constexpr double kConverged = 1e-9;     // of the cost, relative
-constexpr double kNodesPerUnit = 32.0;  // no two zeros of R - S between neighbouring nodes
+constexpr double kConverged = 1e-9;           // of the cost, relative
+constexpr double kSearchNodesPerUnit = 32.0;  // no two zeros of R - S between neighbouring nodes
 
 // Weighs the squares anew, so that they touch the area norm where the sum is `found`.
 void reweight(const FoundSum& found, std::vector<FitChannel>& channels) {
@@ -120,7 +120,7 @@ class AreaCost : public ceres::FirstOrderFunction {
   AreaCost(std::span<const FitTarget> targets, const FitProblem& problem, Index count)
       : targets_(targets), problem_(problem), count_(count) {
     for (const FitTarget& target : targets) {
-      nodes_.push_back(radial_nodes(target, kNodesPerUnit));
+      nodes_.push_back(radial_nodes(target, kSearchNodesPerUnit));
       wholes_.push_back(absolute_light(target, nodes_.back()));
     }
   }

@@ -14,7 +14,7 @@ namespace truescatter {
 namespace {
 
 // Beyond what the trapezoid rule needs: zeros of R - S must not fall in pairs between nodes.
-constexpr double kNodesPerUnit = 64.0;
+constexpr double kNormNodesPerUnit = 64.0;
 constexpr int kGaussNodes = 8;
 
 using GaussRule = boost::math::quadrature::gauss<double, kGaussNodes>;
@@ -133,7 +133,7 @@ std::optional<double> FitErrors::in(FitNorm norm) const {
 }
 
 FitErrors fit_errors(const FitTarget& target, std::span<const WeightedGaussian> sum) {
-  const std::vector<RadialNode> nodes = radial_nodes(target, kNodesPerUnit);
+  const std::vector<RadialNode> nodes = radial_nodes(target, kNormNodesPerUnit);
   const auto quadratic = [&](FitNorm norm) {
     double error = 0.0;
     double whole = 0.0;

@@ -20,8 +20,8 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 // Quadratic norms are smooth integrands: radial_nodes says how good this is. The area norm has kinks.
-constexpr double kNodesPerUnit = 6.0;
-constexpr double kNodesPerUnitOfArea = 16.0;
+constexpr double kFitNodesPerUnit = 6.0;
+constexpr double kFitNodesPerUnitOfArea = 16.0;
 constexpr double kLeastGap = 0.05;  // of log variance, between neighbours
 constexpr double kLeastGapOfFreeWeights = 0.22;
 // An added Gaussian that lowers the cost by less, relatively, adds nothing.
@@ -110,7 +110,8 @@ std::vector<std::vector<double>> at_random(const FitProblem& problem, int gaussi
 
 FitChannel channel_data(const FitTarget& target, const FitOptions& options) {
   const bool area = options.norm == FitNorm::area;
-  const std::vector<RadialNode> nodes = radial_nodes(target, area ? kNodesPerUnitOfArea : kNodesPerUnit);
+  const std::vector<RadialNode> nodes =
+      radial_nodes(target, area ? kFitNodesPerUnitOfArea : kFitNodesPerUnit);
   const auto count = static_cast<Index>(nodes.size());
   FitChannel channel;
   channel.half_square_mm2 = channel.value = channel.measure = VectorXd(count);
@@ -151,7 +152,7 @@ FitProblem make_problem(std::span<const FitTarget> targets, const FitOptions& op
   return problem;
 }
 
-void require_valid(std::span<const FitTarget> targets, int gaussians, const FitOptions& options) {
+void require_fit_input(std::span<const FitTarget> targets, int gaussians, const FitOptions& options) {
   if (gaussians < 1 || gaussians > kMostGaussians) {
     throw_input_error({}, "{} Gaussians: a fit has 1 to {}", gaussians, kMostGaussians);
   }
@@ -274,7 +275,7 @@ double worst_error(std::span<const FitTarget> targets, const Sums& sums, FitNorm
 }
 
 Sums fit_exactly(std::span<const FitTarget> targets, int gaussians, const FitOptions& options) {
-  require_valid(targets, gaussians, options);
+  require_fit_input(targets, gaussians, options);
   const Growth growth(targets, options);
   require_room(growth.problem(), gaussians);
   const auto has_all = [&](const FoundSum& found) {
@@ -294,7 +295,7 @@ Sums fit_exactly(std::span<const FitTarget> targets, int gaussians, const FitOpt
 }
 
 Sums fit_within(std::span<const FitTarget> targets, double tolerance, const FitOptions& options) {
-  require_valid(targets, 1, options);
+  require_fit_input(targets, 1, options);
   const Growth growth(targets, options);
   require_room(growth.problem(), 1);
   std::size_t most = kMostGaussians;

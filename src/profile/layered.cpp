@@ -58,16 +58,16 @@ double gamma_phase(double y) {
 }
 
 // Of one layer by itself.
-void require_valid(const Layer& layer) {
+void require_valid_layer(const Layer& layer) {
   require_valid(layer.medium);
   require_thick(layer.medium, layer.thickness_mm, "layer");
 }
 
-void require_valid(const std::vector<Layer>& layers) {
+void require_valid_stack(const std::vector<Layer>& layers) {
   if (layers.empty()) throw_input_error({}, "a stack needs at least one layer");
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const Layer& layer = layers[i];
-    require_valid(layer);
+    require_valid_layer(layer);
     if (std::isinf(layer.thickness_mm) && i + 1 < layers.size())
       throw_input_error({}, "layer {} has no end, and layers follow", i + 1);
   }
@@ -114,7 +114,7 @@ SlabResponse slab_response(const Layer& layer, double eta_above, double eta_belo
 }
 
 LayeredProfile::LayeredProfile(std::vector<Layer> layers) : layers_(std::move(layers)) {
-  require_valid(layers_);
+  require_valid_stack(layers_);
   const double low = kLowestLogFrequency - std::log(shortest_length_mm());
   const double length = kHighestLogFrequency - kLowestLogFrequency;
   log_step_ = 2.0 * kPi / length;
@@ -200,7 +200,7 @@ std::array<std::vector<Layer>, 3> read_layers(const std::filesystem::path& path)
     for (std::size_t c = 0; c < 3; ++c) {
       channels[c].push_back({{reader.number(1 + c), reader.number(4 + c), reader.number(7)}, thickness_mm});
       try {
-        require_valid(channels[c].back());
+        require_valid_layer(channels[c].back());
       } catch (const Error& error) {
         throw Error(error.kind(), reader.where(), error.what());
       }

@@ -17,7 +17,7 @@ namespace truescatter {
 namespace {
 
 // A place in the atlas. Charts fill their rectangles, which lie at least 10/1024 apart.
-struct Chart {
+struct AtlasChart {
   std::string_view name;
   HeadPart part;
   int side;  // of x: -1, 1; 0 for what lies across the middle
@@ -25,7 +25,7 @@ struct Chart {
   Vec2d upper;
 };
 
-const std::array<Chart, 9> kCharts = {{
+const std::array<AtlasChart, 9> kCharts = {{
     {"face", HeadPart::face, 0, {0.010, 0.365}, {0.565, 0.990}},
     {"scalp", HeadPart::scalp, 0, {0.576, 0.500}, {0.990, 0.990}},
     {"neck front", HeadPart::neck_front, 0, {0.010, 0.180}, {0.565, 0.354}},
@@ -484,7 +484,7 @@ void lay_out_head_atlas(Mesh& mesh) {
   const ToothFlips flips(mesh, segmentation.charts);
   std::vector<std::array<Vec2d, 3>> corner_uvs(mesh.triangles.size());
   parallel_for(kCharts.size(), [&](std::size_t i) {
-    const Chart& chart = kCharts[i];
+    const AtlasChart& chart = kCharts[i];
     Patch patch = make_patch(mesh, segmentation.charts, int(i));
     start_border_at_top(patch, chart.side == 0);
     const std::vector<Vec2d> uvs = Flattening(patch, 0.5 * (chart.upper - chart.lower)).run();

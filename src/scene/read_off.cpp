@@ -40,7 +40,7 @@ void need_line(TextLines& lines, std::string_view what) {
   if (!lines.next()) throw_input_error(lines.where(), "the file ends where {} should follow", what);
 }
 
-OffHeader read_header(TextLines& lines) {
+OffHeader read_off_header(TextLines& lines) {
   OffHeader header;
   need_line(lines, "\"OFF\"");
   std::vector<std::string_view> words = lines.words();
@@ -109,7 +109,7 @@ void read_face(const TextLines& lines, const OffHeader& header, int face, Soup& 
 Soup read_off(const std::filesystem::path& path) {
   const std::string text = read_text_file(path);
   TextLines lines(path.string(), text);
-  const OffHeader header = read_header(lines);
+  const OffHeader header = read_off_header(lines);
   Soup soup;
   for (int i = 0; i < header.vertices; ++i) {
     need_line(lines, "a vertex");

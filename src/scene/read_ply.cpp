@@ -190,7 +190,7 @@ PlyProperty parse_property(const TextLines& lines) {
   return {std::string(words[4]), parse_type(words[3], lines.where()), parse_type(words[2], lines.where())};
 }
 
-PlyHeader read_header(TextLines& lines) {
+PlyHeader read_ply_header(TextLines& lines) {
   if (!lines.next() || (lines.words()[0] != "ply" && lines.words()[0] != "PLY")) {
     throw_input_error(lines.where(), "the first line of a PLY file must be \"ply\"");
   }
@@ -237,7 +237,7 @@ int vertex_slot(std::string_view name) {
 class PlyReader {
  public:
   PlyReader(const std::filesystem::path& path, std::string_view text)
-      : lines_(path.string(), text), header_(read_header(lines_)), values_(lines_, header_.format) {
+      : lines_(path.string(), text), header_(read_ply_header(lines_)), values_(lines_, header_.format) {
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex") inspect_vertex_element(element);
     }

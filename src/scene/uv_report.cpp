@@ -18,8 +18,6 @@ constexpr double kZeroUvArea = 1e-12;
 constexpr double kZeroAreaMm2 = 1e-12;
 constexpr double kOverlapDepth = 1e-7;  // a thousandth of a texel of the largest textures
 
-double cross(const Vec2d& a, const Vec2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 double signed_area(const UvTriangle& uv) { return 0.5 * cross(uv[1] - uv[0], uv[2] - uv[0]); }
 
 bool is_outside(const UvTriangle& uv) {

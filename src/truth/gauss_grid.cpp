@@ -1,7 +1,5 @@
 #include "truth/gauss_grid.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <array>
 #include <boost/math/special_functions/erf.hpp>
@@ -10,6 +8,7 @@
 #include <unordered_map>
 
 #include "core/parallel.h"
+#include "core/parallel_sort.h"
 
 namespace truescatter {
 namespace {
@@ -93,7 +92,7 @@ Groups group_by_cell(const Placement& placement, std::size_t count, const Positi
     for (std::size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i)
       result.order[i] = {key_of(placement.cell(position_of(i))), static_cast<std::uint32_t>(i)};
   });
-  tbb::parallel_sort(result.order.begin(), result.order.end());
+  parallel_sort(result.order);
   for (std::size_t i = 0; i < count; ++i) {
     if (i == 0 || result.order[i].key != result.order[i - 1].key)
       result.groups.push_back({result.order[i].key, i, i});

@@ -23,8 +23,6 @@ constexpr int kDeepestCut = 100;     // halvings of an edge until it is short ag
 constexpr double kDistanceRounding = 1e-10;
 constexpr std::size_t kMostParts = 4'000'000;
 
-double cross(const Vec2d& a, const Vec2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 // Of flat triangles; counter-clockwise.
 struct Corners {
   Vec2d a;

@@ -19,10 +19,6 @@ constexpr double kSameAngle = 1e-12;
 // An interval narrower than this share of its edge is within the rounding of its ends.
 constexpr double kNarrow = 1e-14;
 
-double cross(const Vec2d& a, const Vec2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-int next(int j) { return j == 2 ? 0 : j + 1; }
-
 Vec2d rotated(const Vec2d& v, double angle) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
@@ -151,12 +147,13 @@ void GeodesicField::leave_source_face(const GeodesicPoint& point) {
   for (int j = 0; j < 3; ++j) {
     const Vec2d& corner = mesh_.corner(point.face, j);
     to_corner[static_cast<std::size_t>(j)] =
-        point.barycentric[next(j)] * (corner - mesh_.corner(point.face, next(j))) +
-        point.barycentric[next(next(j))] * (corner - mesh_.corner(point.face, next(next(j))));
+        point.barycentric[next_corner(j)] * (corner - mesh_.corner(point.face, next_corner(j))) +
+        point.barycentric[next_corner(next_corner(j))] *
+            (corner - mesh_.corner(point.face, next_corner(next_corner(j))));
   }
   for (int j = 0; j < 3; ++j) {
     const Vec2d& to_right = to_corner[static_cast<std::size_t>(j)];
-    const Vec2d& to_left = to_corner[static_cast<std::size_t>(next(j))];
+    const Vec2d& to_left = to_corner[static_cast<std::size_t>(next_corner(j))];
     reach_corner(point.face, j, to_right, 0.0);
     // Seen from the inside, an edge's first corner is to the right.
     pass_on(point.face, j, {source, 0.0, to_left.normalized(), to_right.normalized(), false}, 0.0, 1.0);
@@ -179,7 +176,7 @@ void GeodesicField::reach_corner(std::size_t face, int j, const Vec2d& arriving,
   const int vertex = mesh_.vertex(face, j);
   const double distance_mm = offset_mm + arriving.norm();
   if (distance_mm >= std::min(radius_mm_, vertex_distance(vertex))) return;  // as most do: spares the angle
-  const Vec2d along = mesh_.corner(face, next(j)) - mesh_.corner(face, j);
+  const Vec2d along = mesh_.corner(face, next_corner(j)) - mesh_.corner(face, j);
   const double angle = std::atan2(-cross(along, arriving), -along.dot(arriving));
   reach_vertex(vertex, distance_mm, mesh_.fan_offset(face, j) + angle);
 }
@@ -190,7 +187,7 @@ void GeodesicField::pass_on(std::size_t face, int edge, const GeodesicWindow& ra
   const IntrinsicMesh::Crossing& crossing = mesh_.crossing(face, edge);
   if (crossing.face < 0 || to - from < kNarrow) return;
   const Vec2d& a = mesh_.corner(face, edge);
-  const Vec2d& b = mesh_.corner(face, next(edge));
+  const Vec2d& b = mesh_.corner(face, next_corner(edge));
   const Vec2d ab = b - a;
   const Vec2d first = a + from * ab;
   const Vec2d last = a + to * ab;
@@ -198,7 +195,7 @@ void GeodesicField::pass_on(std::size_t face, int edge, const GeodesicWindow& ra
   if (!(least < radius_mm_)) return;
   // Longer all along than a known path along the edge from one of its ends: of no use beyond it either.
   const double at_a = vertex_distance(mesh_.vertex(face, edge));
-  const double at_b = vertex_distance(mesh_.vertex(face, next(edge)));
+  const double at_b = vertex_distance(mesh_.vertex(face, next_corner(edge)));
   if (at_a < radius_mm_ || at_b < radius_mm_) {
     const double slack = kSame * radius_mm_;
     const double length = mesh_.edge_length(face, edge);
@@ -217,11 +214,11 @@ void GeodesicField::pass_on(std::size_t face, int edge, const GeodesicWindow& ra
 void GeodesicField::enter(const Front& front) {
   const auto f = static_cast<std::size_t>(front.face);
   const int k = front.edge;
-  const int opposite = next(next(k));
+  const int opposite = next_corner(next_corner(k));
   const GeodesicWindow& rays = front.rays;
   const Vec2d& s = rays.source;
   const Vec2d& a = mesh_.corner(f, k);
-  const Vec2d& b = mesh_.corner(f, next(k));
+  const Vec2d& b = mesh_.corner(f, next_corner(k));
   const Vec2d& v = mesh_.corner(f, opposite);
   cover(front.face, rays);
 
@@ -253,7 +250,8 @@ void GeodesicField::enter(const Front& front) {
   if (goes_right) {
     GeodesicWindow part = rays;
     if (splits) part.left = to_v.normalized();
-    pass_on(f, next(k), part, meets_at(s, rays.right, b, v), splits ? 1.0 : meets_at(s, rays.left, b, v));
+    pass_on(f, next_corner(k), part, meets_at(s, rays.right, b, v),
+            splits ? 1.0 : meets_at(s, rays.left, b, v));
   }
 }
 
@@ -291,20 +289,20 @@ void GeodesicField::emit_wedge(int vertex, double offset_mm, double from, double
       if (high > width - kSameAngle) high = width;
       if (!(high > low)) continue;
       const Vec2d& s = mesh_.corner(f, j);
-      const Vec2d& b = mesh_.corner(f, next(j));
-      const Vec2d& c = mesh_.corner(f, next(next(j)));
+      const Vec2d& b = mesh_.corner(f, next_corner(j));
+      const Vec2d& c = mesh_.corner(f, next_corner(next_corner(j)));
       const Vec2d along = (b - s).normalized();
       const Vec2d right = low > 0.0 ? rotated(along, low) : along;
       const Vec2d left = high < width ? rotated(along, high) : Vec2d((c - s).normalized());
       const GeodesicWindow rays{s, offset_mm, left, right, false};
       cover(face, rays);
-      if (low <= 0.0) reach_corner(f, next(j), b - s, offset_mm);
-      if (high >= width) reach_corner(f, next(next(j)), c - s, offset_mm);
+      if (low <= 0.0) reach_corner(f, next_corner(j), b - s, offset_mm);
+      if (high >= width) reach_corner(f, next_corner(next_corner(j)), c - s, offset_mm);
       const double first = low > 0.0 ? meets_at(s, right, b, c) : 0.0;
       const double last = high < width ? meets_at(s, left, b, c) : 1.0;
-      pass_on(f, next(j), rays, first, last);
+      pass_on(f, next_corner(j), rays, first, last);
     }
-    const IntrinsicMesh::Crossing& across = mesh_.crossing(f, next(next(j)));
+    const IntrinsicMesh::Crossing& across = mesh_.crossing(f, next_corner(next_corner(j)));
     face = across.face;
     j = across.edge;
   } while (face >= 0 && !(face == v.first_face && j == v.first_corner));

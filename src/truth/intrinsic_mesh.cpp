@@ -20,8 +20,6 @@ std::uint64_t directed_key(int from, int to) {
 
 std::string text_of(const Vec3d& p) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x(), p.y(), p.z()); }
 
-int next(int j) { return j == 2 ? 0 : j + 1; }
-
 }  // namespace
 
 bool IntrinsicMesh::Vertex::bends_paths() const { return open || angle > 2.0 * kPi + kFlat; }
@@ -75,7 +73,7 @@ void IntrinsicMesh::connect(const SourceLocation& where) {
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     for (int j = 0; j < 3; ++j) {
       const auto [found, fresh] =
-          by_edge.try_emplace(directed_key(vertex(f, j), vertex(f, next(j))), static_cast<int>(f), j);
+          by_edge.try_emplace(directed_key(vertex(f, j), vertex(f, next_corner(j))), static_cast<int>(f), j);
       if (!fresh) {
         throw_input_error(where,
                           "triangles {} and {} run along one edge in the same direction: an edge of three "
@@ -87,7 +85,7 @@ void IntrinsicMesh::connect(const SourceLocation& where) {
   crossings_.resize(faces_.size());
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     for (int j = 0; j < 3; ++j) {
-      const auto found = by_edge.find(directed_key(vertex(f, next(j)), vertex(f, j)));
+      const auto found = by_edge.find(directed_key(vertex(f, next_corner(j)), vertex(f, j)));
       if (found == by_edge.end()) continue;
       const auto [g, k] = found->second;
       Crossing& crossing = crossings_[f][static_cast<std::size_t>(j)];
@@ -99,9 +97,9 @@ void IntrinsicMesh::connect(const SourceLocation& where) {
       const double scale = 1.0 / (here.norm() * there.norm());
       crossing.cos = here.dot(there) * scale;
       crossing.sin = (here.x() * there.y() - here.y() * there.x()) * scale;
-      const Vec2d middle_here = 0.5 * (corner(f, j) + corner(f, next(j)));
-      const Vec2d middle_there =
-          0.5 * (corner(static_cast<std::size_t>(g), k) + corner(static_cast<std::size_t>(g), next(k)));
+      const Vec2d middle_here = 0.5 * (corner(f, j) + corner(f, next_corner(j)));
+      const Vec2d middle_there = 0.5 * (corner(static_cast<std::size_t>(g), k) +
+                                        corner(static_cast<std::size_t>(g), next_corner(k)));
       crossing.shift = middle_there - crossing.apply(middle_here);
     }
   }
@@ -133,7 +131,7 @@ void IntrinsicMesh::make_fans(std::span<const Vec3d> positions_mm, const SourceL
       v.angle += corner_angle(f, j);
       ++count;
       // On across the edge that comes in at the corner; there it is the one that leaves it.
-      const Crossing& across = crossing(f, next(next(j)));
+      const Crossing& across = crossing(f, next_corner(next_corner(j)));
       face = across.face;
       j = across.edge;
       if (face == v.first_face && j == v.first_corner) break;
@@ -150,7 +148,7 @@ void IntrinsicMesh::refuse_t_junctions(std::span<const Vec3d> positions_mm,
   std::vector<OpenEdge> open;
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     for (int j = 0; j < 3; ++j) {
-      if (crossing(f, j).face < 0) open.push_back({vertex(f, j), vertex(f, next(j)), f});
+      if (crossing(f, j).face < 0) open.push_back({vertex(f, j), vertex(f, next_corner(j)), f});
     }
   }
   const auto found = find_t_junction(positions_mm, open, [](std::size_t, std::size_t) { return true; });

@@ -10,6 +10,9 @@
 
 namespace truescatter {
 
+// Counter-clockwise round a triangle.
+inline int next_corner(int j) { return j == 2 ? 0 : j + 1; }
+
 // A triangle mesh as geodesics see it: each face laid flat in a frame of its own, with the rigid motion that
 // unfolds it onto the neighbour across each edge. Vertices at exactly the same position are one vertex, so
 // that a file split at UV seams stays one surface. An open edge bounds the surface.
@@ -76,7 +79,7 @@ class IntrinsicMesh {
   std::vector<std::array<int, 3>> faces_;  // vertices
   std::vector<std::array<Vec2d, 3>> corners_;
   std::vector<std::array<double, 3>> lengths_;  // of edges
-  std::vector<std::array<Vec2d, 3>> edges_;  // from corner to corner, each to its own rounding
+  std::vector<std::array<Vec2d, 3>> edges_;     // from corner to corner, each to its own rounding
   std::vector<std::array<Crossing, 3>> crossings_;
   std::vector<std::array<double, 3>> angles_;
   std::vector<std::array<double, 3>> offsets_;

@@ -14,7 +14,6 @@
 namespace truescatter {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMaxDepth = 44;
 constexpr double kTouch = 1e-12;   // of a piece's size, squared
 constexpr double kNoEdge = 1e-14;  // of a piece's size
@@ -31,7 +30,6 @@ constexpr double kThin = 1e-6;         // heights in deviations: below, PieceInt
 constexpr double kNeedle = 1e-2;       // and below that, convolve_needle where it applies (needle.h)
 constexpr double kNeedleCut = 1e-3;    // with a cut-off
 
-double cross(const Vec2d& a, const Vec2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 Vec2d turned_left(const Vec2d& v) { return {-v.y(), v.x()}; }
 Vec2d turned_right(const Vec2d& v) { return {v.y(), -v.x()}; }
 

@@ -9,6 +9,8 @@ constexpr std::uint32_t kLeafSize = 8;
 }
 
 TriangleTree::TriangleTree(const Surface& surface) {
+  boxes_.reserve(surface.triangles.size());
+  components_.reserve(surface.triangles.size());
   for (const SurfaceTriangle& triangle : surface.triangles) {
     Eigen::AlignedBox3d box;
     for (const Vec3d& corner : triangle.corners_mm) box.extend(corner);

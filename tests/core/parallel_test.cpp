@@ -26,6 +26,16 @@ TEST(ParallelFor, DoesNothingForNothing) {
   EXPECT_FALSE(called);
 }
 
+// 4 GiB in all.
+TEST(JobsWithin, IsWhatFitsAndOneAtLeast) {
+  constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+  EXPECT_EQ(jobs_within(kGiB, 16), 4);
+  EXPECT_EQ(jobs_within(1.5 * kGiB, 16), 2);
+  EXPECT_EQ(jobs_within(1.5 * kGiB, 1), 1);
+  EXPECT_EQ(jobs_within(100.0 * kGiB, 16), 1);
+  EXPECT_EQ(jobs_within(0.0, 16), 16);
+}
+
 TEST(ParallelFor, PassesAnExceptionOn) {
   const auto error = test::error_of([] {
     parallel_for(1000, [](std::size_t i) {

@@ -8,12 +8,9 @@
 
 #include "experiment/scene_truths.h"
 #include "experiment/view_truth.h"
+#include "support/random.h"
 
 namespace truescatter::test {
-
-inline double uniform(std::mt19937_64& generator) {
-  return static_cast<double>(generator() >> 11U) * 0x1.0p-53;
-}
 
 // A picture, one pixel high, of these points of the scene's mesh.
 inline FrameImages images_of(const PreparedScene& scene, const std::vector<MeshPoint>& places) {

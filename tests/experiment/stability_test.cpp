@@ -28,7 +28,8 @@ class StagedRun {
   std::map<std::string, json> run() {
     const TempDir working;
     const PieceStore pieces(working.path());
-    const Setup setup{spec, plan, scene, context_, buffers, truths, pieces};
+    const ImageTexts origin;
+    const Setup setup{spec, plan, scene, context_, buffers, truths, pieces, origin};
     for (const ViewSpec& view : spec.views) run_view(setup, view);
     const json results = join_pieces(spec, {{spec, plan}}, pieces);
     stability = results["stability"];

@@ -13,18 +13,14 @@
 #include "irradiance/shading_mesh.h"
 #include "scene/builtin.h"
 #include "scene/load_mesh.h"
+#include "support/lamp.h"
 
 namespace truescatter {
 namespace {
 
-constexpr double kDegree = kPi / 180.0;
+using test::lamp;
 
-Light lamp(const Vec3d& direction) {
-  Light light;
-  light.direction = direction.normalized();
-  light.shadows = false;
-  return light;
-}
+constexpr double kDegree = kPi / 180.0;
 
 // A lamp `degrees` from +z towards +x.
 Light lamp_towards_x(double degrees) {

@@ -10,16 +10,14 @@
 
 #include "scene/builtin.h"
 #include "scene/characters.h"
+#include "support/lamp.h"
 
 namespace truescatter {
 namespace {
 
-Light lamp(const Vec3d& direction, bool shadows = true) {
-  Light light;
-  light.direction = direction.normalized();
-  light.shadows = shadows;
-  return light;
-}
+using test::lamp;
+
+Light shadowing(const Vec3d& direction) { return lamp(direction, true); }
 
 ShadingMesh shade(const Mesh& mesh, const Light& light, const SkinMask& mask = {}, double tolerance = 0.02,
                   double floor_mm = 0.4) {
@@ -55,10 +53,10 @@ std::pair<int, int> boundary_and_crowded_edges(const ShadingMesh& shading) {
 TEST(Lighting, IsLambertOnAPlane) {
   const Mesh plane = make_builtin("plane");
   const Vec3d direction = Vec3d(1.0, 2.0, 2.0) / 3.0;
-  const Lighting lighting(plane, {lamp(direction)});
+  const Lighting lighting(plane, {shadowing(direction)});
   // n = z, so n.l = 2/3; nothing shades a plane.
   EXPECT_NEAR(lighting.irradiance({5, Vec3d(0.2, 0.3, 0.5)}).x(), 2.0 / 3.0, 1e-12);
-  const Lighting from_behind(plane, {lamp(Vec3d(0.0, 0.0, -1.0))});
+  const Lighting from_behind(plane, {shadowing(Vec3d(0.0, 0.0, -1.0))});
   EXPECT_EQ(from_behind.irradiance({5, Vec3d(0.2, 0.3, 0.5)}), Vec3d::Zero());
 }
 
@@ -113,7 +111,7 @@ TEST(Lighting, FrontCardShadesTheBackCard) {
   // Cards: the front one covers x < 0, 20 mm above the back one. Lit along -z from above, the back card is
   // dark where x < 0.
   const Mesh cards = make_builtin("cards");
-  const Lighting lighting(cards, {lamp(Vec3d::UnitZ())});
+  const Lighting lighting(cards, {shadowing(Vec3d::UnitZ())});
   for (std::size_t t = 0; t < cards.triangle_count(); ++t) {
     const MeshPoint middle{t, Vec3d::Constant(1.0 / 3.0)};
     const Vec3d x = position_mm(cards, middle);
@@ -128,7 +126,7 @@ TEST(Lighting, CoarseSphereCastsNoBlocksOnItself) {
   // n.l > 0; the faceted one, with shadows, must not lose light there. Within a facet's tilt of the
   // terminator (edge / radius = 0.24) the lamp grazes and the lift may fall short.
   const Mesh sphere = make_builtin("sphere", {{"edge_mm", 6.0}});
-  const Light light = lamp(Vec3d(0.3, 0.5, 1.0));
+  const Light light = shadowing(Vec3d(0.3, 0.5, 1.0));
   const Lighting shadowed(sphere, {light});
   for (std::size_t t = 0; t < sphere.triangle_count(); ++t) {
     for (const Vec3d& b :
@@ -143,12 +141,12 @@ TEST(Lighting, CoarseSphereCastsNoBlocksOnItself) {
 
 TEST(Refinement, LeavesAnEvenlyLitPlaneAlone) {
   const Mesh plane = make_builtin("plane");
-  EXPECT_EQ(shade(plane, lamp(Vec3d(0.0, 0.3, 1.0))).triangles.size(), plane.triangle_count());
+  EXPECT_EQ(shade(plane, shadowing(Vec3d(0.0, 0.3, 1.0))).triangles.size(), plane.triangle_count());
 }
 
 TEST(Refinement, IsConformingInPlaneAndGoesToTheShadowEdge) {
   const Mesh cards = make_builtin("cards");
-  const Light light = lamp(Vec3d(0.4, 0.0, 1.0));
+  const Light light = shadowing(Vec3d(0.4, 0.0, 1.0));
   const ShadingMesh shading = shade(cards, light, {}, 0.02, 0.25);
   EXPECT_GT(shading.triangles.size(), cards.triangle_count());
   EXPECT_NEAR(area_mm2(shading), surface_area_mm2(cards), 1e-9 * surface_area_mm2(cards));
@@ -186,7 +184,7 @@ TEST(Refinement, IsConformingInPlaneAndGoesToTheShadowEdge) {
 
 TEST(Refinement, ResolvesACurvedSurfaceToItsTolerance) {
   const Mesh sphere = make_builtin("sphere", {{"edge_mm", 6.0}});
-  const Light light = lamp(Vec3d(0.3, 0.5, 1.0), false);
+  const Light light = lamp(Vec3d(0.3, 0.5, 1.0));
   const Lighting lighting(sphere, {light});
   const ShadingMesh shading = make_shading_mesh(sphere, lighting, {}, {0.01, 0.05});
   const ShadingResidual residual = measure_residual(shading, lighting, 5000, 1);
@@ -204,7 +202,7 @@ TEST(Refinement, ResidualIsInUnitsOfTheLargestVertexIrradiance) {
   Mesh mesh = big_square(10.0);
   mesh.triangles.pop_back();
   mesh.corner_normals.pop_back();
-  Light light = lamp(Vec3d(std::sqrt(3.0), 0.0, 1.0), false);
+  Light light = lamp(Vec3d(std::sqrt(3.0), 0.0, 1.0));
   light.color = Vec3d(4.0, 1.0, 0.0);
   const ShadingMesh shading = make_shading_mesh(mesh, Lighting(mesh, {light}), {}, {0.02, 100.0});
   EXPECT_NEAR(largest_skin_irradiance(shading), 2.0, 1e-12);
@@ -223,7 +221,7 @@ TEST(Refinement, MaskIsReadAtCentroidsAndItsBorderIsRefined) {
     for (int x = 32; x < 64; ++x) half.at(x, y, 0) = 1.0F;
   }
   const Mesh plane = make_builtin("plane");
-  const ShadingMesh shading = shade(plane, lamp(Vec3d::UnitZ()), SkinMask(half), 0.02, 0.25);
+  const ShadingMesh shading = shade(plane, shadowing(Vec3d::UnitZ()), SkinMask(half), 0.02, 0.25);
   double skin = 0.0;
   for (const ShadingTriangle& t : shading.triangles) {
     const Vec3d a = shading.corner(t, 0);
@@ -238,8 +236,8 @@ TEST(Refinement, MaskIsReadAtCentroidsAndItsBorderIsRefined) {
 }
 
 TEST(Components, CardsAreTwo) {
-  EXPECT_EQ(shade(make_builtin("cards"), lamp(Vec3d::UnitZ())).component_count, 2);
-  EXPECT_EQ(shade(make_builtin("wedge"), lamp(Vec3d(0.1, 0.0, 1.0))).component_count, 1);
+  EXPECT_EQ(shade(make_builtin("cards"), shadowing(Vec3d::UnitZ())).component_count, 2);
+  EXPECT_EQ(shade(make_builtin("wedge"), shadowing(Vec3d(0.1, 0.0, 1.0))).component_count, 1);
 }
 
 TEST(SkinMask, IsSkinFromOneHalfOn) {
@@ -259,7 +257,7 @@ TEST(ShadingMesh, CharactersCastShadowsOntoOneAnotherAndLieOneAfterTheOther) {
   const Mesh square = make_builtin("plane", {{"size_mm", 20.0}, {"edge_mm", 5.0}});
   const std::vector<CharacterPlace> places = {{Vec3d(0.0, 0.0, -10.0)}, {Vec3d(5.0, 0.0, 10.0)}};
   const Mesh two = place_characters(square, places);
-  const ShadingMesh shading = shade(two, lamp(Vec3d::UnitZ()));
+  const ShadingMesh shading = shade(two, shadowing(Vec3d::UnitZ()));
   ASSERT_EQ(shading.character_starts.size(), 2U);
   EXPECT_EQ(shading.character_starts[0], 0U);
   EXPECT_EQ(shading.component_count, 2);
@@ -299,7 +297,7 @@ double largest_irradiance_difference(std::span<const ShadingTriangle> a, std::sp
 // scene holds.
 TEST(ShadingMesh, ADistantCharacterChangesNothing) {
   const Mesh head = make_builtin("head", {{"edge_mm", 6.0}});
-  const Light light = lamp(Vec3d(0.85, 0.35, 0.4));
+  const Light light = shadowing(Vec3d(0.85, 0.35, 0.4));
   const ShadingMesh alone = shade(head, light);
   for (const double away_mm : {500.0, 20000.0}) {
     const CharacterPlace away{Vec3d(0.0, -away_mm, 0.4 * away_mm), 50.0};

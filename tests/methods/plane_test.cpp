@@ -14,8 +14,6 @@ using test::PlaneFrame;
 using test::PlaneView;
 
 constexpr double kStdDevMm = 1.0;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 struct Filter {
   std::string name;
   std::map<std::string, SettingValue> settings;

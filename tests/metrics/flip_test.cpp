@@ -341,6 +341,24 @@ TEST(HdrFlip, OfAConstantAndBlackByHand) {
   }
 }
 
+// What is computed again is what was kept.
+TEST(HdrFlip, IsTheSameWithoutRoomForItsReferences) {
+  const Image mask(20, 14, 1, 1.0F);
+  const HdrFlipReference kept(noise(3), mask, 1e-4);
+  const HdrFlipReference again(noise(3), mask, 1e-4, 67.0206, 0.0);
+  ASSERT_GE(kept.exposures().count, 2);
+  const Image expected = kept.map(noise(4));
+  const Image map = again.map(noise(4));
+  EXPECT_TRUE(std::equal(map.data().begin(), map.data().end(), expected.data().begin()));
+}
+
+// 5 floats a pixel and exposure: all of them within 1 GiB; of 2^24 pixels three, the reference, and one more.
+TEST(HdrFlip, KeepsNoMoreThanItMay) {
+  EXPECT_EQ(HdrFlipReference::kept_bytes(1e6, 15), 15.0 * 20e6);
+  const double pixels = 4096.0 * 4096.0;
+  EXPECT_EQ(HdrFlipReference::kept_bytes(pixels, 15), (3.0 + 1.0) * 20.0 * pixels + 12.0 * pixels);
+}
+
 TEST(HdrFlip, OfAPictureWithItselfIsZero) {
   const HdrFlipReference reference(noise(3), Image(20, 14, 1, 1.0F));
   const Image map = reference.map(noise(3));

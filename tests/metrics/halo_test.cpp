@@ -9,8 +9,6 @@
 namespace truescatter {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // One row of skin: pixel i lies at a given distance from a contour of a given class. s = 1 mm throughout, and
 // a pixel is 0.1 mm, so a bin is max(0.1/4, 1/8) = 1/8 mm and 6 s are 48 bins. Every error is a sum of powers
 // of two, so sums and quotients by hand are exact.
@@ -105,7 +103,7 @@ TEST(Halo, HasNoWidthWithoutAnError) {
 TEST(Halo, OfASyntheticStepComesBack) {
   constexpr int kPixels = 320;
   constexpr double kRadius_mm = 15.0;
-  constexpr double kFocal_px = 5000.0;
+  constexpr double kStepFocal_px = 5000.0;
   constexpr float kDepth_mm = 500.0F;
   Image mask(kPixels, kPixels, 1);
   Image position(kPixels, kPixels, 3);
@@ -124,7 +122,7 @@ TEST(Halo, OfASyntheticStepComesBack) {
       test.set_rgb(x, y, Vec3d::Constant(1.0 + error));
     }
   }
-  const ContourMap contours = find_contours({mask, position, normal, kFocal_px});
+  const ContourMap contours = find_contours({mask, position, normal, kStepFocal_px});
   const Halo halo = measure_halo(test, truth, mask, contours, 1.5, 0.1, Quantity::luminance, HaloSide::outer);
   const double share = (15.0 * 4.0 - 8.0) / (15.0 * 4.5 - 0.5 * 4.5 * 4.5);
   EXPECT_NEAR(halo.peak, 0.2, 0.05 * 0.2);

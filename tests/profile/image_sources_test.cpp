@@ -9,14 +9,14 @@
 #include <string>
 
 #include "support/error_of.h"
+#include "support/media.h"
 
 namespace truescatter {
 namespace {
 
 using test::error_of;
-
-const Medium kSkin1Green{0.17, 0.88, 1.3};
-const Medium kMarbleGreen{0.0041, 2.62, 1.5};
+using test::kMarbleGreen;
+using test::kSkin1Green;
 
 const Material& material(const std::string& name) {
   for (const Material& m : materials())

@@ -13,14 +13,14 @@
 #include "core/vec.h"
 #include "profile/image_sources.h"
 #include "support/error_of.h"
+#include "support/media.h"
 #include "support/temp_dir.h"
 
 namespace truescatter {
 namespace {
 
-constexpr double kEndless = std::numeric_limits<double>::infinity();
-const Medium kSkin1Green{0.17, 0.88, 1.3};
-const Medium kMarbleGreen{0.0041, 2.62, 1.5};
+using test::kMarbleGreen;
+using test::kSkin1Green;
 
 // r f(r) is good to 1e-14 / l: rounding of k R(k), whose largest value is below 1 / l, summed over harmonics.
 void expect_same(const LayeredProfile& layered, const ImageSources& images, double l_mm) {
@@ -33,7 +33,7 @@ void expect_same(const LayeredProfile& layered, const ImageSources& images, doub
 
 TEST(Layered, OneEndlessLayerIsTheDipole) {
   for (const Medium& medium : {kSkin1Green, kMarbleGreen, Medium{0.0, 1.0, 1.3}})
-    expect_same(LayeredProfile({{medium, kEndless}}), classical_dipole(medium), medium.mean_free_path_mm());
+    expect_same(LayeredProfile({{medium, kInfinity}}), classical_dipole(medium), medium.mean_free_path_mm());
 }
 
 TEST(Layered, OneSlabIsTheMultipole) {
@@ -73,14 +73,14 @@ TEST(Layered, ResponseIsTheHankelTransform) {
 // what is below.
 TEST(Layered, StacksHaveTheirLimits) {
   const Medium black{50.0, 1e-6, 1.3};
-  EXPECT_NEAR(LayeredProfile({{kSkin1Green, 2.0}, {black, kEndless}}).albedo(),
+  EXPECT_NEAR(LayeredProfile({{kSkin1Green, 2.0}, {black, kInfinity}}).albedo(),
               slab_response({kSkin1Green, 2.0}, 1.0, 1.3, 0.0).reflect_above, 1e-7);
   // exp(-2 s_tr d) = exp(-2 * 0.73 * 30) is below rounding.
-  EXPECT_NEAR(LayeredProfile({{kSkin1Green, 30.0}, {kMarbleGreen, kEndless}}).albedo(),
+  EXPECT_NEAR(LayeredProfile({{kSkin1Green, 30.0}, {kMarbleGreen, kInfinity}}).albedo(),
               classical_dipole(kSkin1Green).albedo(), 1e-14);
   // Something bright below sends more back than a black thing.
-  EXPECT_GT(LayeredProfile({{kSkin1Green, 2.0}, {{0.001, 2.0, 1.3}, kEndless}}).albedo(),
-            LayeredProfile({{kSkin1Green, 2.0}, {black, kEndless}}).albedo());
+  EXPECT_GT(LayeredProfile({{kSkin1Green, 2.0}, {{0.001, 2.0, 1.3}, kInfinity}}).albedo(),
+            LayeredProfile({{kSkin1Green, 2.0}, {black, kInfinity}}).albedo());
 }
 
 // The series of bounces between two slabs, summed term by term: R1 + T1 R2 T1' + T1 R2 R1' R2 T1' + ...
@@ -132,7 +132,7 @@ TEST(LayersFile, IsRead) {
   EXPECT_EQ(channels[1][0].medium.sigma_a_per_mm, 0.2);
   EXPECT_EQ(channels[2][0].medium.sigma_s_prime_per_mm, 3.0);
   EXPECT_EQ(channels[0][0].medium.eta, 1.4);
-  EXPECT_EQ(channels[2][1].thickness_mm, kEndless);
+  EXPECT_EQ(channels[2][1].thickness_mm, kInfinity);
   EXPECT_EQ(channels[2][1].medium.sigma_s_prime_per_mm, 7.0);
 }
 
@@ -158,7 +158,7 @@ TEST(Layered, RefusesWhatHasNoAnswer) {
   };
   EXPECT_EQ(refusal({}), "a stack needs at least one layer");
   EXPECT_NE(refusal({{kSkin1Green, 0.9}}).find("the layer is 0.9 mm thick"), std::string::npos);
-  EXPECT_NE(refusal({{kSkin1Green, kEndless}, {kSkin1Green, 2.0}}).find("layer 1 has no end"),
+  EXPECT_NE(refusal({{kSkin1Green, kInfinity}, {kSkin1Green, 2.0}}).find("layer 1 has no end"),
             std::string::npos);
   EXPECT_NE(refusal({{{-1.0, 1.0, 1.3}, 2.0}}).find("sigma_a"), std::string::npos);
   EXPECT_NE(refusal({{kSkin1Green, std::nan("")}}).find("the layer is nan mm"), std::string::npos);

@@ -9,15 +9,9 @@
 #include "irradiance/shading_mesh.h"
 #include "methods/method.h"
 #include "scene/builtin.h"
+#include "support/lamp.h"
 
 namespace truescatter::test {
-
-inline Light lamp(const Vec3d& direction, bool shadows = false) {
-  Light light;
-  light.direction = direction.normalized();
-  light.shadows = shadows;
-  return light;
-}
 
 inline ShadingMesh shade(const Mesh& mesh, const Light& light) {
   return make_shading_mesh(mesh, Lighting(mesh, {light}), SkinMask(), {0.02, 0.5});

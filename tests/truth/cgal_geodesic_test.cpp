@@ -9,6 +9,7 @@
 
 #include "scene/mesh.h"
 #include "support/error_of.h"
+#include "support/random.h"
 
 namespace truescatter {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 // Barycentrics are raised to 1e-12, so points move by that share of an edge; the rest is rounding.
 constexpr double kAllowed = 1e-11;
 
-double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11U) * 0x1.0p-53; }
+using test::uniform;
 
 MeshPoint random_point(std::mt19937_64& generator, const Mesh& mesh) {
   MeshPoint point{generator() % mesh.triangles.size(), {}};

@@ -14,7 +14,7 @@ namespace {
 // The table's promise: 1e-8 by interpolation, and where the tables end, at 6 s, exp(-18) = 1.5e-8 times at
 // most 1/2 for Owen's T, and for the line integral times sqrt(pi/2)/pi s. So 2e-8 of at_foot, and of s
 // at_foot.
-constexpr double kAllowed = 2e-8;
+constexpr double kAllowedOfEdge = 2e-8;
 
 // Everywhere that matters: near the foot, at and beyond the tables' end, edges on either side of the foot or
 // across it, the point on the edge's line.
@@ -30,9 +30,9 @@ TEST(EdgeFast, IsTheExactEdgeWithinTheTablesPromise) {
     const double at_foot = test::uniform(generator);
     const EdgeIntegrals fast = edge_inside_fast(p, t0, t1, s, at_foot);
     const EdgeIntegrals exact = edge_inside_exact(p, t0, t1, s, at_foot);
-    ASSERT_NEAR(fast.radial, exact.radial, kAllowed * at_foot)
+    ASSERT_NEAR(fast.radial, exact.radial, kAllowedOfEdge * at_foot)
         << "p " << p << " t " << t0 << " " << t1 << " s " << s;
-    ASSERT_NEAR(fast.line, exact.line, kAllowed * s * at_foot)
+    ASSERT_NEAR(fast.line, exact.line, kAllowedOfEdge * s * at_foot)
         << "p " << p << " t " << t0 << " " << t1 << " s " << s;
   }
 }

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "scene/builtin.h"
+#include "support/random.h"
 #include "truth/audit.h"
 #include "truth/exact.h"
 #include "truth/triangle_rules.h"
@@ -15,7 +16,7 @@
 namespace truescatter {
 namespace {
 
-double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11U) * 0x1.0p-53; }
+using test::uniform;
 
 // A scene as a soup with rough irradiance: large random values at its vertices, so that every triangle has a
 // steep gradient.

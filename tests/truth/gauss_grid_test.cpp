@@ -6,11 +6,12 @@
 #include <random>
 
 #include "core/parallel.h"
+#include "support/random.h"
 
 namespace truescatter {
 namespace {
 
-double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11U) * 0x1.0p-53; }
+using test::uniform;
 
 // Sources on a sphere of radius 5 mm whose areas sum to its own, with irradiance up to 1; points on it too.
 struct Fixture {

@@ -7,14 +7,15 @@
 
 #include "core/error.h"
 #include "scene/mesh.h"
+#include "support/random.h"
 #include "truth/geodesic_exact.h"
 
 namespace truescatter {
 namespace {
 
-double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11U) * 0x1.0p-53; }
+using test::uniform;
 
-Vec3d random_vec(std::mt19937_64& generator) {
+Vec3d random_in_unit_cube(std::mt19937_64& generator) {
   return {uniform(generator), uniform(generator), uniform(generator)};
 }
 
@@ -81,7 +82,7 @@ struct Scene {
 Scene lit(const char* name, const Mesh& mesh, std::uint64_t seed) {
   std::mt19937_64 generator(seed);
   std::vector<Vec3d> value;
-  for (std::size_t v = 0; v < mesh.positions_mm.size(); ++v) value.push_back(random_vec(generator));
+  for (std::size_t v = 0; v < mesh.positions_mm.size(); ++v) value.push_back(random_in_unit_cube(generator));
   std::vector<GeodesicPiece> pieces;
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     if (f % 7 == 3) continue;  // no skin there
@@ -102,7 +103,7 @@ std::vector<GeodesicTarget> targets(const Mesh& mesh, std::uint64_t seed, int co
   std::mt19937_64 generator(seed);
   std::vector<GeodesicTarget> result;
   for (int i = 0; i < count; ++i) {
-    Vec3d b = random_vec(generator);
+    Vec3d b = random_in_unit_cube(generator);
     if (i % 3 == 1) b[i / 3 % 3] = 0.0;
     if (i % 3 == 2) b = Vec3d::Unit(i / 3 % 3);
     result.push_back({{generator() % mesh.triangles.size(), b / b.sum()}, 0});

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "scene/builtin.h"
+#include "support/random.h"
 #include "truth/cgal_geodesic.h"
 #include "truth/exact.h"
 #include "truth/geodesic_exact.h"
@@ -18,7 +19,7 @@
 namespace truescatter {
 namespace {
 
-double uniform(std::mt19937_64& generator) { return static_cast<double>(generator() >> 11U) * 0x1.0p-53; }
+using test::uniform;
 
 struct Soup {
   std::vector<Vec3d> positions_mm;
