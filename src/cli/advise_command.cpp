@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/parse_number.h"
+#include "experiment/provenance.h"
 #include "experiment/result_folder.h"
 #include "experiment/run_experiment.h"
 #include "experiment/scene_needs.h"
@@ -118,16 +119,21 @@ int advise(const AdviseArguments& arguments) {
   if (std::filesystem::is_directory(arguments.source)) {
     if (!arguments.out.empty())
       throw_input_error(option("out"), "is for an experiment; this is a result folder");
-    found = advice(read_results(arguments.source), request);
+    const json results = read_results(arguments.source);
+    found = advice(results, request);
+    found["provenance"] = results.value("provenance", json());
     found["model"] = model_of_result(arguments, request.error);
   } else {
     const ExperimentSpec own = read_experiment_or_standard(arguments.source);
     const ExperimentSpec spec = advised(own);
     const std::unique_ptr<TruthCache> cache = spec.truth.cache ? open_user_cache() : nullptr;
-    found = advice(run_and_read(spec, arguments, cache.get()), request);
+    const json results = run_and_read(spec, arguments, cache.get());
+    found = advice(results, request);
+    found["provenance"] = results.at("provenance");
     found["standard_methods"] = spec.standard_methods;
     found["model"] = model_of(own, arguments, request.error, cache.get());
   }
+  found["advised_by"] = program_provenance();
   fmt::print("{}", arguments.json ? found.dump(1) + "\n" : advice_text(found));
   return found.at("meets").get<bool>() ? 0 : 1;
 }

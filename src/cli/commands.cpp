@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "arguments.h"
@@ -9,8 +11,10 @@
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/parallel.h"
+#include "experiment/memory_estimate.h"
 #include "experiment/metrics_json.h"
 #include "experiment/plan.h"
+#include "experiment/provenance.h"
 #include "experiment/result_folder.h"
 #include "experiment/run_experiment.h"
 #include "experiment/scene_setup.h"
@@ -84,20 +88,30 @@ double halo_std_dev_px(const CompareArguments& arguments) {
 int compare_folders(const CompareArguments& arguments) {
   if (!arguments.mask.empty()) throw_input_error({}, "--mask is for pictures; these are result folders");
   if (!arguments.halo.empty()) throw_input_error({}, "--halo is for pictures; these are result folders");
-  const nlohmann::json changes = result_changes(arguments.test, arguments.truth);
+  nlohmann::json changes = result_changes(arguments.test, arguments.truth);
+  changes["compared_by"] =
+      file_provenance({arguments.test / "results.json", arguments.truth / "results.json"});
   fmt::print("{}", arguments.json ? changes.dump(1) + "\n" : changes_text(changes));
   return 0;
 }
 
 constexpr const char* kHowToGoOn = "what is finished is kept; the same command with --resume goes on from it";
 
+std::uint64_t memory_limit(const RunArguments& arguments) {
+  constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+  constexpr double kMostGiB = 1e6;  // more than any machine's, and its bytes are within 64 bits
+  if (arguments.memory_limit.empty()) return default_memory_limit();
+  const double limit_gib = positive(arguments.memory_limit, "memory-limit", "a limit in GiB");
+  return static_cast<std::uint64_t>(kGiB * std::min(limit_gib, kMostGiB));
+}
+
 RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunArguments& arguments) {
   const std::unique_ptr<TruthCache> cache =
       spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
   try {
-    const RunOutcome outcome =
-        run_experiment(spec, results.working(), cache.get(), {},
-                       {arguments.gl, arguments.export_inputs, arguments.export_passes, arguments.resume});
+    const RunOutcome outcome = run_experiment(spec, results.working(), cache.get(), {},
+                                              {arguments.gl, arguments.export_inputs, arguments.export_passes,
+                                               memory_limit(arguments), arguments.resume});
     write_report(results.working());
     results.publish();
     return outcome;
@@ -122,8 +136,11 @@ int run(const RunArguments& arguments) {
     std::string text;
     for (const ExperimentSpec& point : sweep_points(spec)) {
       const Plan plan = make_plan(point, arguments.export_inputs);
+      refuse_beyond_memory(point, plan, {}, memory_limit(arguments));
       check_shaders(plan, arguments.gl);
-      text += describe_plan(point, plan, check_scene(point));
+      const SceneOutline scene = check_scene(point);
+      refuse_beyond_memory(point, plan, size_of(scene), memory_limit(arguments));
+      text += describe_plan(point, plan, scene) + describe_memory(point, plan, size_of(scene));
     }
     check_destination(folder);
     fmt::print("{}output {}: {}\n", text, folder.string(),
@@ -156,6 +173,9 @@ int compare(const CompareArguments& arguments) {
              "no pixel to measure");
   if (!arguments.halo.empty()) stats["halo"] = mask_halo_json(test, truth, mask, halo_std_dev_px(arguments));
   if (arguments.json) {
+    std::vector<std::filesystem::path> pictures = {arguments.test, arguments.truth};
+    if (!arguments.mask.empty()) pictures.push_back(arguments.mask);
+    stats["provenance"] = file_provenance(pictures);
     fmt::print("{}\n", stats.dump(1));
     return 0;
   }

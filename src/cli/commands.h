@@ -20,6 +20,7 @@ struct RunArguments {
   gpu::Backend gl = gpu::Backend::osmesa;
   bool export_inputs = false;  // what methods are given of each view is written too
   bool export_passes = false;  // the textures that methods name on their way are written too
+  std::string memory_limit;    // in GiB, as the user gave it; empty: default_memory_limit()
   bool no_cache = false;       // truths are neither taken from the cache nor kept there
   bool resume = false;         // goes on from what a run that was cut off has finished
 };

@@ -18,6 +18,7 @@
 #include "core/parse_number.h"
 #include "experiment/fit_file.h"
 #include "experiment/fit_text.h"
+#include "experiment/provenance.h"
 #include "report/fit_plot.h"
 
 namespace truescatter::cli {
@@ -159,6 +160,18 @@ Profile gaussians_named(const std::string& name) {
   return sum_of_gaussians(name, read_fit(name));
 }
 
+// The files that a fit is made from.
+std::vector<std::filesystem::path> input_files(const FitArguments& arguments) {
+  std::vector<std::filesystem::path> files;
+  for (const std::filesystem::path& file :
+       {std::filesystem::path(arguments.table), std::filesystem::path(arguments.layers),
+        std::filesystem::path(arguments.score)}) {
+    // What is scored may be a published sum by its name.
+    if (!file.empty() && std::filesystem::is_regular_file(file)) files.push_back(file);
+  }
+  return files;
+}
+
 void refuse_with_score(const FitArguments& arguments) {
   for (const auto& [name, given] :
        {std::pair("gaussians", &arguments.gaussians), std::pair("tolerance", &arguments.tolerance),
@@ -221,7 +234,9 @@ int fit(const FitArguments& arguments) {
                                    : fit_profile(profile, asked);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
 
-  const std::string json = fit_json(profile, asked, found).dump(2) + "\n";
+  nlohmann::json fitted = fit_json(profile, asked, found);
+  fitted["provenance"] = file_provenance(input_files(arguments));
+  const std::string json = fitted.dump(2) + "\n";
   const FileTexts files = {{arguments.out, json},
                            {arguments.glsl, fit_glsl(profile, asked, found)},
                            {arguments.cpp, fit_cpp(profile, asked, found)},

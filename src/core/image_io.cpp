@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/exr_header.h"
 #include "core/file.h"
 
 namespace truescatter {
@@ -26,6 +27,10 @@ std::string channel_name(const ExrLayer& layer, int channel) {
   const auto& suffixes = layer.vector ? kVector : kColour;
   const std::string suffix = suffixes[static_cast<std::size_t>(channel)];
   return layer.name.empty() ? suffix : layer.name + "." + suffix;
+}
+
+void put_texts(OIIO::ImageSpec& spec, const ImageTexts& texts) {
+  for (const auto& [name, text] : texts) spec.attribute(name, text);
 }
 
 // Into memory first: the library's writers close their files without looking whether the last bytes went in,
@@ -46,7 +51,8 @@ void write_with_oiio(const std::filesystem::path& path, OIIO::ImageSpec spec, OI
 
 }  // namespace
 
-void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& layers) {
+void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& layers,
+               const ImageTexts& texts) {
   assert(!layers.empty());
   const int width = layers.front().image->width();
   const int height = layers.front().image->height();
@@ -61,6 +67,7 @@ void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& l
   spec.nchannels = channels;
   spec.attribute("compression", "zip");
   spec.attribute(kDateTime, "");
+  put_texts(spec, texts);
 
   std::vector<float> pixels(static_cast<std::size_t>(channels) * layers.front().image->pixel_count());
   std::size_t offset = 0;
@@ -77,13 +84,14 @@ void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& l
   write_with_oiio(path, spec, OIIO::TypeDesc::FLOAT, pixels.data());
 }
 
-void write_png(const std::filesystem::path& path, const Image& image) {
+void write_png(const std::filesystem::path& path, const Image& image, const ImageTexts& texts) {
   std::vector<unsigned char> bytes(image.data().size());
   std::transform(image.data().begin(), image.data().end(), bytes.begin(), [](float v) {
     return static_cast<unsigned char>(std::lround(std::clamp(v, 0.0F, 1.0F) * 255.0F));
   });
   OIIO::ImageSpec spec(image.width(), image.height(), image.channels(), OIIO::TypeDesc::UINT8);
   spec.attribute(kUnassociatedAlpha, 1);
+  put_texts(spec, texts);
   write_with_oiio(path, spec, OIIO::TypeDesc::UINT8, bytes.data());
 }
 
@@ -110,6 +118,8 @@ void check_size(const std::filesystem::path& path, const OIIO::ImageSpec& spec) 
 
 Image read_with_spec(const std::filesystem::path& path, OIIO::ImageSpec& spec) {
   if (!std::filesystem::exists(path)) throw_input_error({path.string()}, "no such file");
+  if (const std::string oversized = oversized_exr_attribute(path); !oversized.empty())
+    throw_input_error({path.string()}, "cannot read this image: {}", oversized);
   OIIO::ImageSpec as_stored;
   as_stored.attribute(kUnassociatedAlpha, 1);
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &as_stored);
@@ -129,11 +139,33 @@ Image read_with_spec(const std::filesystem::path& path, OIIO::ImageSpec& spec) {
 
 }  // namespace
 
+ImageTexts read_image_texts(const std::filesystem::path& path) {
+  OIIO::ImageSpec spec;
+  read_with_spec(path, spec);
+  ImageTexts texts;
+  for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
+    if (attribute.type() == OIIO::TypeDesc::STRING)
+      texts.emplace(attribute.name().string(), attribute.get_string());
+  }
+  return texts;
+}
+
 Image read_image(const std::filesystem::path& path, std::vector<std::string>* channel_names) {
   OIIO::ImageSpec spec;
   Image image = read_with_spec(path, spec);
   if (channel_names != nullptr) *channel_names = spec.channelnames;
   return image;
+}
+
+double image_values(const std::filesystem::path& path) {
+  if (!oversized_exr_attribute(path).empty()) return 0.0;
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string());
+  if (!input) {
+    OIIO::geterror();  // is kept for whoever asks next, else
+    return 0.0;
+  }
+  const OIIO::ImageSpec& spec = input->spec();
+  return static_cast<double>(spec.width) * spec.height * spec.nchannels;
 }
 
 Image read_linear_colours(const std::filesystem::path& path, std::vector<std::string>* channel_names) {

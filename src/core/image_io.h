@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,17 +18,33 @@ struct ExrLayer {
   bool vector = false;
 };
 
+// Texts that a picture's file carries beside its pixels, by name: attributes of an EXR, tEXt chunks of a PNG.
+// "Software" is in every file: without one here the library names itself.
+using ImageTexts = std::map<std::string, std::string>;
+
 // Writes 32-bit float layers of equal size into one EXR, through a temporary file and a rename.
 // Throws Error (run) when the file cannot be written.
-void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& layers);
+void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& layers,
+               const ImageTexts& texts = {});
 
 // Writes values in [0, 1], taken as they are (encode before), as an 8-bit PNG of 1, 3 or 4 channels.
-void write_png(const std::filesystem::path& path, const Image& image);
+void write_png(const std::filesystem::path& path, const Image& image, const ImageTexts& texts = {});
+
+// The texts of a file that OpenImageIO knows, and what else of its metadata is text. Throws Error (input)
+// that names the file.
+ImageTexts read_image_texts(const std::filesystem::path& path);
 
 // Reads any format that OpenImageIO knows. 8- and 16-bit values become [0, 1]; nothing is decoded, and
 // colours are not multiplied by alpha. `channel_names` receives the file's names. Throws Error (input) that
 // names the file.
 Image read_image(const std::filesystem::path& path, std::vector<std::string>* channel_names = nullptr);
+
+// How many values read_image would give, of its header alone; 0 of what it would not read.
+double image_values(const std::filesystem::path& path);
+
+// What making a picture out of a file of named layers takes for each pixel, at most: ten channels as floats,
+// two layers of them, and the bytes that are written.
+inline constexpr double kPictureJobBytes = 100.0;
 
 // Reads a picture for its colours, as linear values: whole numbers are taken as sRGB-encoded and decoded, all
 // but a fourth channel; floating-point values are linear already. Throws as read_image does.

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <optional>
 
+#include "experiment/provenance.h"
+
 namespace truescatter {
 namespace {
 
@@ -34,7 +36,8 @@ std::string caption(const DiffusionProfile& profile, const FitSpec& asked, const
                         100.0 * *fit.errors[1].in(norm), 100.0 * *fit.errors[2].in(norm));
   }
   const Vec3d total = fit.total_weight();
-  return text + fmt::format("; weights sum to {:.4g} / {:.4g} / {:.4g}", total[0], total[1], total[2]);
+  return text + fmt::format("; weights sum to {:.4g} / {:.4g} / {:.4g}; by {}", total[0], total[1], total[2],
+                            software_name());
 }
 
 // Nine digits give a float back; always with a point, as GLSL asks for.

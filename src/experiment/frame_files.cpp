@@ -53,16 +53,19 @@ json camera_json(const std::string& view, const Camera& camera, double median_de
 }  // namespace
 
 void write_frame(const std::filesystem::path& folder, const std::string& view, const Camera& camera,
-                 const FrameImages& images) {
+                 const FrameImages& images, const ImageTexts& origin) {
   const Image depth = depth_of(images);
-  write_exr(folder / (view + ".exr"), {{"position", &images.position, true},
-                                       {"face_normal", &images.face_normal, true},
-                                       {"normal", &images.normal, true},
-                                       {"irradiance", &images.irradiance},
-                                       {"mask", &images.mask},
-                                       {"depth", &depth}});
-  write_text_file(folder / (view + ".json"),
-                  camera_json(view, camera, median_skin_depth_mm(images)).dump(1) + "\n");
+  write_exr(folder / (view + ".exr"),
+            {{"position", &images.position, true},
+             {"face_normal", &images.face_normal, true},
+             {"normal", &images.normal, true},
+             {"irradiance", &images.irradiance},
+             {"mask", &images.mask},
+             {"depth", &depth}},
+            origin);
+  json about = camera_json(view, camera, median_skin_depth_mm(images));
+  about["origin"] = origin;
+  write_text_file(folder / (view + ".json"), about.dump(1) + "\n");
 }
 
 }  // namespace truescatter

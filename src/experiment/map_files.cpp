@@ -18,10 +18,11 @@ namespace fs = std::filesystem;
 // Makes PNGs of a view out of its EXRs; each job reads one of them.
 class PictureJobs {
  public:
-  PictureJobs(const ViewPictures& view, fs::path maps, const MapRanges& ranges)
+  PictureJobs(const ViewPictures& view, fs::path maps, const MapRanges& ranges, const ImageTexts& origin)
       : view_(view),
         maps_(std::move(maps)),
         ranges_(ranges),
+        origin_(origin),
         images_(read_view_maps(view.images)),
         measured_(images_.mask) {
     for (const std::string& truth : view.truths)
@@ -31,6 +32,8 @@ class PictureJobs {
 
   void run() const {
     Progress progress("maps of view " + view_.name, jobs_.size());
+    const double bytes_each = static_cast<double>(measured_.pixel_count()) * kPictureJobBytes;
+    const JobLimit limit(jobs_within(bytes_each, job_count()));
     parallel_for(jobs_.size(), [&](std::size_t i) {
       jobs_[i]();
       progress.advance();
@@ -43,18 +46,18 @@ class PictureJobs {
   // What is shown of an exitance: with the albedo after the scattering.
   void write_exitance(const std::string& stem, const LayeredImage& exr) const {
     write_png(maps_ / (stem + ".png"),
-              display_picture(textured(layer_of(exr, ""), images_.albedo), view_.exposure));
+              display_picture(textured(layer_of(exr, ""), images_.albedo), view_.exposure), origin_);
   }
 
   void write_map(const std::string& stem, const Image& error, MapKind kind, const std::string& title) const {
     const std::string file = stem + (kind == MapKind::magnitude ? ".abs.png" : ".signed.png");
-    write_png(maps_ / file, map_picture(error, measured_, kind, ranges_.errors, title));
+    write_png(maps_ / file, map_picture(error, measured_, kind, ranges_.errors, title), origin_);
   }
 
   void add_jobs() {
     jobs_.emplace_back([this] {
-      write_png(maps_ / (view_.name + ".irradiance.png"),
-                display_picture(images_.irradiance, view_.exposure));
+      write_png(maps_ / (view_.name + ".irradiance.png"), display_picture(images_.irradiance, view_.exposure),
+                origin_);
     });
     for (const std::string& truth : view_.truths)
       jobs_.emplace_back([this, &truth] { write_exitance(truth, read(truth)); });
@@ -80,7 +83,8 @@ class PictureJobs {
         for (const std::string& step : ladder.steps) {
           write_png(maps_ / step_file(ladder.stem, step),
                     map_picture(layer_of(exr, step), measured_, MapKind::signed_error, ranges_.ladder_steps,
-                                "STEP LUMINANCE"));
+                                "STEP LUMINANCE"),
+                    origin_);
         }
       });
     }
@@ -89,6 +93,7 @@ class PictureJobs {
   const ViewPictures& view_;
   fs::path maps_;
   MapRanges ranges_;
+  const ImageTexts& origin_;
   ViewImages images_;
   Image measured_;
   std::vector<std::function<void()>> jobs_;
@@ -96,10 +101,10 @@ class PictureJobs {
 
 }  // namespace
 
-void write_view_maps(const fs::path& exr, const ViewImages& view) {
+void write_view_maps(const fs::path& exr, const ViewImages& view, const ImageTexts& origin) {
   std::vector<ExrLayer> layers = {{"irradiance", &view.irradiance}, {"mask", &view.mask}};
   if (!view.albedo.empty()) layers.push_back({"albedo", &view.albedo});
-  write_exr(exr, layers);
+  write_exr(exr, layers, origin);
 }
 
 ViewImages read_view_maps(const fs::path& exr) {
@@ -109,23 +114,24 @@ ViewImages read_view_maps(const fs::path& exr) {
           has_albedo ? layer_of(view, "albedo") : Image()};
 }
 
-void write_truth_maps(const fs::path& exr, const TruthMaps& truth) {
+void write_truth_maps(const fs::path& exr, const TruthMaps& truth, const ImageTexts& origin) {
   std::vector<ExrLayer> layers = {
       {"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &truth.irradiance}, {"mask", &truth.mask}};
   if (!truth.fit_error.empty()) layers.push_back({"fit_error", &truth.fit_error});
-  write_exr(exr, layers);
+  write_exr(exr, layers, origin);
 }
 
-void write_run_maps(const fs::path& exr, const RunMaps& run) {
+void write_run_maps(const fs::path& exr, const RunMaps& run, const ImageTexts& origin) {
   std::vector<ExrLayer> layers = {{"", &run.exitance}, {"error", &run.error}, {"mask", &run.mask}};
   if (!run.profile_error.empty()) layers.push_back({"profile_error", &run.profile_error});
-  write_exr(exr, layers);
+  write_exr(exr, layers, origin);
 }
 
-void write_ladder_maps(const fs::path& exr, const Image& mask, const std::list<LadderStep>& steps) {
+void write_ladder_maps(const fs::path& exr, const Image& mask, const std::list<LadderStep>& steps,
+                       const ImageTexts& origin) {
   std::vector<ExrLayer> layers = {{"mask", &mask}};
   for (const LadderStep& step : steps) layers.push_back({step.name, &step.error});
-  write_exr(exr, layers);
+  write_exr(exr, layers, origin);
 }
 
 Image textured(Image exitance, const Image& albedo) {
@@ -137,8 +143,9 @@ std::string step_file(const std::string& ladder_stem, const std::string& rung) {
   return ladder_stem + "." + rung + ".step.png";
 }
 
-void write_map_pictures(const ViewPictures& view, const fs::path& maps, const MapRanges& ranges) {
-  PictureJobs(view, maps, ranges).run();
+void write_map_pictures(const ViewPictures& view, const fs::path& maps, const MapRanges& ranges,
+                        const ImageTexts& origin) {
+  PictureJobs(view, maps, ranges, origin).run();
 }
 
 }  // namespace truescatter

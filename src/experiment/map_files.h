@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/image_io.h"
 
 namespace truescatter {
 
 // The pictures of a result: EXR with the numbers as each piece of a run is finished, and PNG for the eye at
 // the end, made from those, for error maps share one range. Whatever cannot be written is an Error (run) that
-// names the file.
+// names the file. Each file carries `origin` (see picture_origin).
 
 // What is behind every error map of a view.
 struct ViewImages {
@@ -19,7 +20,7 @@ struct ViewImages {
   Image mask;    // skin
   Image albedo;  // what of it comes after the scattering; empty where nothing does
 };
-void write_view_maps(const std::filesystem::path& exr, const ViewImages& view);
+void write_view_maps(const std::filesystem::path& exr, const ViewImages& view, const ImageTexts& origin);
 ViewImages read_view_maps(const std::filesystem::path& exr);
 
 // The plain R, G, B is the truth. `fit_error`: of the truth of a profile itself, that of its Gaussians less
@@ -31,7 +32,7 @@ struct TruthMaps {
   const Image& mask;
   const Image& fit_error;
 };
-void write_truth_maps(const std::filesystem::path& exr, const TruthMaps& truth);
+void write_truth_maps(const std::filesystem::path& exr, const TruthMaps& truth, const ImageTexts& origin);
 
 // The plain R, G, B is the exitance.
 struct RunMaps {
@@ -40,7 +41,7 @@ struct RunMaps {
   const Image& mask;
   const Image& profile_error;  // against the truth of the profile itself; empty without one
 };
-void write_run_maps(const std::filesystem::path& exr, const RunMaps& run);
+void write_run_maps(const std::filesystem::path& exr, const RunMaps& run, const ImageTexts& origin);
 
 // What an assumption of a ladder adds.
 struct LadderStep {
@@ -48,7 +49,7 @@ struct LadderStep {
   Image error;       // signed
 };
 void write_ladder_maps(const std::filesystem::path& exr, const Image& mask,
-                       const std::list<LadderStep>& steps);
+                       const std::list<LadderStep>& steps, const ImageTexts& origin);
 
 // The name of a step's picture.
 std::string step_file(const std::string& ladder_stem, const std::string& rung);
@@ -79,6 +80,7 @@ struct ViewPictures {
 
 // Writes the PNGs of a view into `maps`, in parallel, out of the EXRs that are there. Error maps show the
 // skin that is measured under every profile: where each truth of Gaussians has mass enough.
-void write_map_pictures(const ViewPictures& view, const std::filesystem::path& maps, const MapRanges& ranges);
+void write_map_pictures(const ViewPictures& view, const std::filesystem::path& maps, const MapRanges& ranges,
+                        const ImageTexts& origin);
 
 }  // namespace truescatter

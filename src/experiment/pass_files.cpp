@@ -46,24 +46,25 @@ double white_of(const Image& image) {
   return *at > 0.0F ? round_range(*at) : 1.0;
 }
 
-void write_channels(const std::filesystem::path& path, const NamedTexture& texture) {
+void write_channels(const std::filesystem::path& path, const NamedTexture& texture,
+                    const ImageTexts& origin) {
   std::list<Image> images;
   std::vector<ExrLayer> layers;
   for (int c = 0; c < texture.image.channels(); ++c) {
     images.push_back(channel_of(texture.image, c));
     layers.push_back({std::string(1, texture.channels[static_cast<std::size_t>(c)]), &images.back()});
   }
-  write_exr(path, layers);
+  write_exr(path, layers, origin);
 }
 
 }  // namespace
 
 json write_named_texture(const std::filesystem::path& folder, const std::string& stem,
-                         const NamedTexture& texture, double exposure) {
+                         const NamedTexture& texture, double exposure, const ImageTexts& origin) {
   const std::string name = stem + "." + texture.name;
   const double white = is_light(texture) ? 1.0 / exposure : white_of(texture.image);
-  write_channels(folder / (name + ".exr"), texture);
-  write_png(folder / (name + ".png"), display_picture(as_rgb(texture.image), 1.0 / white));
+  write_channels(folder / (name + ".exr"), texture, origin);
+  write_png(folder / (name + ".png"), display_picture(as_rgb(texture.image), 1.0 / white), origin);
   return {{"name", texture.name}, {"shows", texture.shows},           {"channels", texture.channels},
           {"white", white},       {"exr", "passes/" + name + ".exr"}, {"png", "passes/" + name + ".png"}};
 }

@@ -35,6 +35,15 @@ json libraries() {
   return versions;
 }
 
+json machine() {
+  utsname system{};
+  uname(&system);
+  return {{"system", fmt::format("{} {}", system.sysname, system.release)},
+          {"processor", processor()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"jobs", job_count()}};
+}
+
 std::string hash_of(const std::string& text) {
   ContentHash hash;
   hash.append(text);
@@ -51,29 +60,42 @@ std::string now_utc() {
                      utc.tm_hour, utc.tm_min, utc.tm_sec);
 }
 
+std::string software_name() {
+  return fmt::format("truescatter {} ({}{})", TRUESCATTER_VERSION, TRUESCATTER_COMMIT,
+                     TRUESCATTER_COMMIT_DIRTY ? " with changes" : "");
+}
+
+json program_provenance() {
+  return {{"version", TRUESCATTER_VERSION},           {"commit", TRUESCATTER_COMMIT},
+          {"commit_dirty", TRUESCATTER_COMMIT_DIRTY}, {"program", hash_of_file("/proc/self/exe")},
+          {"compiler", TRUESCATTER_COMPILER},         {"build_type", TRUESCATTER_BUILD_TYPE},
+          {"instruction_set", TRUESCATTER_ARCH},      {"libraries", libraries()}};
+}
+
+json file_provenance(const std::vector<std::filesystem::path>& inputs) {
+  json entries = program_provenance();
+  entries["machine"] = machine();
+  entries["inputs"] = json::object();
+  for (const std::filesystem::path& input : inputs) entries["inputs"][input.string()] = hash_of_file(input);
+  return entries;
+}
+
+ImageTexts picture_origin(const json& provenance) {
+  return {{"Software", software_name()},
+          {"truescatter:experiment", provenance.at("experiment").get<std::string>()}};
+}
+
 json provenance(const gpu::Context& context, const ExperimentSpec& spec) {
-  utsname system{};
-  uname(&system);
-  return {{"version", TRUESCATTER_VERSION},
-          {"commit", TRUESCATTER_COMMIT},
-          {"commit_dirty", TRUESCATTER_COMMIT_DIRTY},
-          {"program", hash_of_file("/proc/self/exe")},
-          {"compiler", TRUESCATTER_COMPILER},
-          {"build_type", TRUESCATTER_BUILD_TYPE},
-          {"instruction_set", TRUESCATTER_ARCH},
-          {"libraries", libraries()},
-          {"gl_context", gpu::name_of(context.backend())},
-          {"gl_software", context.is_software()},
-          {"gl_renderer", context.renderer()},
-          {"gl_version", context.version()},
-          {"rasteriser_threads", context.rasteriser_threads()},
-          {"machine",
-           {{"system", fmt::format("{} {}", system.sysname, system.release)},
-            {"processor", processor()},
-            {"cores", std::thread::hardware_concurrency()},
-            {"jobs", job_count()}}},
-          {"experiment", hash_of(to_toml(spec))},
-          {"inputs", input_hashes(spec)}};
+  json entries = program_provenance();
+  entries["gl_context"] = gpu::name_of(context.backend());
+  entries["gl_software"] = context.is_software();
+  entries["gl_renderer"] = context.renderer();
+  entries["gl_version"] = context.version();
+  entries["rasteriser_threads"] = context.rasteriser_threads();
+  entries["machine"] = machine();
+  entries["experiment"] = hash_of(to_toml(spec));
+  entries["inputs"] = input_hashes(spec);
+  return entries;
 }
 
 std::string provenance_difference(const json& before, const json& now) {

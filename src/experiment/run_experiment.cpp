@@ -29,15 +29,21 @@ struct Shared {
   TruthCache* cache;
   const SourceWrapper& wrap;
   const PieceStore& pieces;
+  const ImageTexts& origin;
   std::filesystem::path inputs;
   std::filesystem::path passes;
   KnownWidths& widths;
+  std::uint64_t memory_limit_bytes;
 };
 
 // Computes the pieces of a scene that are not finished.
 void run_scene(const ScenePlan& what, const Shared& shared) {
   const auto& [spec, plan] = what;
-  const PreparedScene scene = prepare_scene(spec);
+  const auto admit = [&](const SceneSize& size) {
+    refuse_beyond_memory(spec, plan, size, shared.memory_limit_bytes);
+  };
+  const PreparedScene scene = prepare_scene(spec, [&](const Mesh& mesh) { admit(size_of(mesh)); });
+  admit(size_of(scene));
   const SurfaceBuffers buffers(shared.context, scene.shading, scene.lights);
   const std::vector<PlannedTruth> planned = planned_truths(plan, buffers.has_uvs());
   const bool geodesic = std::any_of(planned.begin(), planned.end(), [](const PlannedTruth& truth) {
@@ -46,7 +52,7 @@ void run_scene(const ScenePlan& what, const Shared& shared) {
   const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, shared.cache,
                            shared.wrap);
   const Setup setup{spec,   plan,          scene,         shared.context, buffers,
-                    truths, shared.pieces, shared.inputs, shared.passes};
+                    truths, shared.pieces, shared.origin, shared.inputs,  shared.passes};
   for (const ViewSpec& view : spec.views) run_view(setup, view);
   for (const Piece& piece : pieces_of(spec, plan)) {
     if (piece.kind == Piece::Kind::widths && !shared.pieces.has(piece))
@@ -89,12 +95,16 @@ void run_scenes(const ExperimentSpec& spec, const std::vector<ScenePlan>& scenes
 }
 
 // Plans refer to the experiments.
-std::vector<Plan> make_plans(const std::vector<ExperimentSpec>& points, bool without_pictures) {
+std::vector<Plan> make_plans(const std::vector<ExperimentSpec>& points, const RunOptions& options) {
   std::vector<Plan> plans;
-  for (const ExperimentSpec& point : points) plans.push_back(make_plan(point, without_pictures));
+  for (const ExperimentSpec& point : points) {
+    plans.push_back(make_plan(point, options.export_inputs));
+    refuse_beyond_memory(point, plans.back(), {}, options.memory_limit_bytes);
+  }
   // A value that the scene refuses is not found after hours.
   if (points.size() > 1) {
-    for (const ExperimentSpec& point : points) check_scene(point);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      refuse_beyond_memory(points[i], plans[i], size_of(check_scene(points[i])), options.memory_limit_bytes);
   }
   return plans;
 }
@@ -126,7 +136,7 @@ json start_pieces(PieceStore& pieces, const json& key, bool resume) {
 RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder, TruthCache* cache,
                           const SourceWrapper& wrap, const RunOptions& options) {
   const std::vector<ExperimentSpec> points = sweep_points(spec);
-  const std::vector<Plan> plans = make_plans(points, options.export_inputs);
+  const std::vector<Plan> plans = make_plans(points, options);
   std::vector<ScenePlan> scenes;
   for (std::size_t i = 0; i < points.size(); ++i) scenes.push_back({points[i], plans[i]});
   const gpu::Context context(options.gl);
@@ -139,8 +149,10 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   PieceStore pieces(folder);
   const json key = start_pieces(pieces, key_of(context, spec, options), options.resume);
   say_finished(scenes, pieces);
+  const ImageTexts origin = picture_origin(key);
   KnownWidths widths;
-  run_scenes(spec, scenes, {context, cache, wrap, pieces, inputs, passes, widths});
+  run_scenes(spec, scenes,
+             {context, cache, wrap, pieces, origin, inputs, passes, widths, options.memory_limit_bytes});
 
   json results = join_pieces(spec, scenes, pieces);
   results["schema"] = kResultsSchema;
@@ -152,11 +164,13 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                      {"exposure", first.front().exposure}};
   results["provenance"] = key;
   results["provenance"]["finished_utc"] = now_utc();
+  results["provenance"]["memory"] = {{"peak_bytes", peak_memory()},
+                                     {"limit_bytes", options.memory_limit_bytes}};
   const std::vector<std::string> exceeded = exceeded_thresholds(results, spec.thresholds);
   results["exceeded"] = exceeded;
   for (const ScenePlan& scene : scenes) {
     for (const ViewPictures& view : pictures_of(scene, pieces))
-      write_map_pictures(view, pieces.maps(), ranges);
+      write_map_pictures(view, pieces.maps(), ranges, origin);
   }
   write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
   write_text_file(folder / "results.csv", results_csv(results));

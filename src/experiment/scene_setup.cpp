@@ -202,7 +202,7 @@ RefinementSettings refinement_of(const ExperimentSpec& spec) {
 
 }  // namespace
 
-PreparedScene prepare_scene(const ExperimentSpec& spec) {
+PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void(const Mesh&)>& admit) {
   const Progress progress("scene", 1);
   PreparedScene scene;
   scene.mesh = load_scene_mesh(spec);
@@ -211,6 +211,7 @@ PreparedScene prepare_scene(const ExperimentSpec& spec) {
                          : resolve_path(spec, spec.scene.mesh, spec.scene.mesh_where).string()};
   if (scene.mesh.has_uvs()) scene.uvs = inspect_uvs(scene.mesh);  // of one character: all have the same
   if (!spec.scene.characters.empty()) scene.mesh = place_characters(scene.mesh, places_of(spec.scene));
+  admit(scene.mesh);
   scene.albedo = load_albedo(spec, scene.mesh.has_uvs());
   const SkinMask mask = load_skin_mask(spec, scene.mesh.has_uvs());
   const SkinMask transmitters = load_transmitter_mask(spec, scene.mesh.has_uvs());
@@ -242,10 +243,21 @@ SceneOutline check_scene(const ExperimentSpec& spec) {
     const BuiltinParameters parameters = with_builtin(spec.scene, complete_parameters);
     outline.parameters.insert(parameters.begin(), parameters.end());
     outline.has_uvs = true;  // all of them have
+    outline.triangles = static_cast<std::size_t>(
+        expected_triangles(spec.scene.mesh.substr(kBuiltinPrefix.size()), parameters));
+    outline.vertices = outline.triangles / 2;
   } else {
     // Subdivision fails on nothing that loading lets pass.
-    outline.has_uvs = load_mesh_file(spec, 0).has_uvs();
+    const Mesh mesh = load_mesh_file(spec, 0);
+    const auto growth = static_cast<std::size_t>(1)
+                        << static_cast<unsigned>(2 * spec.scene.loop_subdivisions);
+    outline.has_uvs = mesh.has_uvs();
+    outline.triangles = growth * mesh.triangle_count();
+    outline.vertices = growth * mesh.positions_mm.size();
   }
+  const std::size_t characters = std::max<std::size_t>(1, spec.scene.characters.size());
+  outline.triangles *= characters;
+  outline.vertices *= characters;
   load_skin_mask(spec, outline.has_uvs);
   load_transmitter_mask(spec, outline.has_uvs);
   load_normal_image(spec, outline.has_uvs);
@@ -260,6 +272,9 @@ Camera camera_of(const ViewSpec& view) {
 
 Surface skin_surface(const ShadingMesh& shading) {
   Surface surface;
+  const auto skin = std::count_if(shading.triangles.begin(), shading.triangles.end(),
+                                  [](const ShadingTriangle& triangle) { return triangle.skin; });
+  surface.triangles.reserve(static_cast<std::size_t>(skin));
   for (const ShadingTriangle& triangle : shading.triangles) {
     if (!triangle.skin) continue;
     surface.triangles.push_back(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -32,11 +33,15 @@ struct PreparedScene {
 // Throws Error (input): see load_mesh, mesh_checks.h, make_builtin, resolve_path; a texture without UVs, or
 // without the channels that it needs; an environment's map that is none; a dark scene; a point light on the
 // mesh.
-PreparedScene prepare_scene(const ExperimentSpec& spec);
+// `admit` is told of the mesh before it is lit; what it throws is passed on.
+PreparedScene prepare_scene(
+    const ExperimentSpec& spec, const std::function<void(const Mesh&)>& admit = [](const Mesh&) {});
 
 // What a scene is known to be before it is generated, lit and refined.
 struct SceneOutline {
   bool has_uvs = false;
+  std::size_t vertices = 0;                  // of a built-in scene about so many
+  std::size_t triangles = 0;                 // likewise
   std::map<std::string, double> parameters;  // of a built-in scene, with its defaults
 };
 

@@ -1,5 +1,7 @@
 #include "experiment/view_points.h"
 
+#include <algorithm>
+
 namespace truescatter {
 namespace {
 
@@ -13,6 +15,13 @@ Vec3d inside_face(const Vec3d& barycentric) {
 
 ViewPoints view_points(const PreparedScene& scene, const FrameImages& images) {
   ViewPoints points;
+  const auto skin = static_cast<std::size_t>(
+      std::count_if(images.mask.data().begin(), images.mask.data().end(), [](float v) { return v != 0.0F; }));
+  points.pixels.reserve(skin);
+  points.triangles.reserve(skin);
+  points.on_surface.reserve(skin);
+  points.on_mesh.reserve(skin);
+  points.irradiance.reserve(skin);
   for (int y = 0; y < images.mask.height(); ++y) {
     for (int x = 0; x < images.mask.width(); ++x) {
       const PixelSurface& seen = images.surface_at(x, y);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/image_io.h"
+#include "core/parallel.h"
 #include "core/progress.h"
 #include "experiment/draw_method.h"
 #include "experiment/frame_files.h"
@@ -18,6 +19,7 @@
 #include "experiment/light_path_sample.h"
 #include "experiment/lit_alone.h"
 #include "experiment/map_files.h"
+#include "experiment/memory_estimate.h"
 #include "experiment/metrics_json.h"
 #include "experiment/own_method.h"
 #include "experiment/pass_files.h"
@@ -69,11 +71,11 @@ Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Met
   measured.exitance = gpu::read_texture(setup.context, *prepared.output, 3);
   if (!setup.passes.empty()) {
     measured.passes = json::array();
-    passes.record(
-        [&] { prepared.render(passes); },
-        [&](const NamedTexture& texture) {
-          measured.passes.push_back(write_named_texture(setup.passes, view.stem, texture, setup.exposure()));
-        });
+    passes.record([&] { prepared.render(passes); },
+                  [&](const NamedTexture& texture) {
+                    measured.passes.push_back(write_named_texture(setup.passes, view.stem, texture,
+                                                                  setup.exposure(), setup.origin));
+                  });
   }
   const double per_pixel = view.skin_pixels > 0 ? 1.0 / static_cast<double>(view.skin_pixels) : 0.0;
   measured.cost = {{"frame_ms",
@@ -261,17 +263,22 @@ class ViewRunner {
                  {"mm_per_px", mm_per_px()},
                  {"camera", camera_json(view_)},
                  {"color_bar", color_bar_json(frame_.camera)},
+                 {"memory_estimate_bytes", memory_estimate()},
                  {"files", {{"irradiance", "maps/" + name_ + ".irradiance.png"}}}};
     if (!setup_.inputs.empty()) {
-      write_frame(setup_.inputs, name_, frame_.camera, images_);
+      write_frame(setup_.inputs, name_, frame_.camera, images_, setup_.origin);
       view["files"]["inputs"] = "inputs/" + name_ + ".exr";
       view["files"]["camera"] = "inputs/" + name_ + ".json";
     }
     const Piece piece{Piece::Kind::view, name_};
-    write_view_maps(setup_.pieces.picture(piece), {images_.irradiance, images_.mask, albedo_});
+    write_view_maps(setup_.pieces.picture(piece), {images_.irradiance, images_.mask, albedo_}, setup_.origin);
     setup_.pieces.keep(
         piece,
         {{"view", view}, {"scene", scene_json(setup_.spec, setup_.scene)}, {"exposure", setup_.exposure()}});
+  }
+
+  std::uint64_t memory_estimate() const {
+    return estimate_memory(setup_.spec, setup_.plan, view_, size_of(setup_.scene), job_count()).bytes();
   }
 
   double mm_per_px() const { return median_depth_mm_ / frame_.camera.focal_px(); }
@@ -405,7 +412,8 @@ class ViewRunner {
     }
     const TruthImage& headline = truths.headline().image;
     write_truth_maps(setup_.pieces.maps() / (stem + ".exr"),
-                     {headline.rgb, headline.smallest_mass, images_.irradiance, images_.mask, {}});
+                     {headline.rgb, headline.smallest_mass, images_.irradiance, images_.mask, {}},
+                     setup_.origin);
     return all;
   }
 
@@ -440,7 +448,8 @@ class ViewRunner {
     kept["fit_errors"].push_back(fit);
     write_truth_maps(setup_.pieces.maps() / (stem + ".exr"),
                      {itself.rgb, itself.smallest_mass, images_.irradiance, images_.mask,
-                      signed_error(headline.image.rgb, itself.rgb, images_.mask)});
+                      signed_error(headline.image.rgb, itself.rgb, images_.mask)},
+                     setup_.origin);
   }
 
   void keep_run(const PlannedMethod& planned, const Comparison& against) {
@@ -539,7 +548,7 @@ class ViewRunner {
       result["rungs"][r]["files"] = {{"signed", "maps/" + step_file(piece.stem(), rung.name)}};
     }
     const std::string file = piece.stem() + ".exr";
-    write_ladder_maps(setup_.pieces.maps() / file, images_.mask, steps);
+    write_ladder_maps(setup_.pieces.maps() / file, images_.mask, steps, setup_.origin);
     result["files"] = {{"exr", "maps/" + file}};
     setup_.pieces.keep(piece, result);
   }
@@ -694,7 +703,8 @@ class ViewRunner {
     const auto error_from = [&](const Image& truth) { return signed_error(exitance, truth, images_.mask); };
     write_run_maps(setup_.pieces.maps() / (stem + ".exr"),
                    {exitance, error_from(against.truths.headline().image.rgb), images_.mask,
-                    against.model == nullptr ? Image() : error_from(against.model->truth.normalised.rgb)});
+                    against.model == nullptr ? Image() : error_from(against.model->truth.normalised.rgb)},
+                   setup_.origin);
   }
 
   const Setup& setup_;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "core/image_io.h"
 #include "experiment/pieces.h"
 #include "experiment/plan.h"
 #include "experiment/scene_setup.h"
@@ -20,9 +21,9 @@ struct Setup {
   const SurfaceBuffers& surface;
   const SceneTruths& truths;
   const PieceStore& pieces;
+  const ImageTexts& origin;           // of pictures (see picture_origin)
   std::filesystem::path inputs = {};  // the folder for what methods are given; empty: it is not written
-  std::filesystem::path passes =
-      {};  // the folder for the textures that methods name; empty: they are not written
+  std::filesystem::path passes = {};  // the folder for the textures that methods name; the same
 
   double exposure() const { return 1.0 / scene.largest_irradiance; }
 };

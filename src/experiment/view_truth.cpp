@@ -39,18 +39,17 @@ double plane_mass(const TruthLayer& layer) {
   return -std::expm1(-0.5 * q * q);
 }
 
-ViewTruth::ViewTruth(const PreparedScene& scene, const FrameImages& images)
-    : scene_(scene), images_(images), points_(view_points(scene, images)) {}
-
-TruthLayer ViewTruth::layer_of(double variance_mm2, const OwnTarget& target) const {
+TruthLayer truth_layer(double variance_mm2, const OwnTarget& target, double tolerance) {
   TruthLayer layer{std::sqrt(variance_mm2)};
-  // A cut that removes less than a hundredth of the tolerance is no cut: the layer is shared.
   if (target.r_max_mm &&
-      std::exp(-0.5 * *target.r_max_mm * *target.r_max_mm / variance_mm2) > 0.01 * tolerance_) {
+      std::exp(-0.5 * *target.r_max_mm * *target.r_max_mm / variance_mm2) > 0.01 * tolerance) {
     layer.r_max_mm = *target.r_max_mm;
   }
   return layer;
 }
+
+ViewTruth::ViewTruth(const PreparedScene& scene, const FrameImages& images)
+    : scene_(scene), images_(images), points_(view_points(scene, images)) {}
 
 std::size_t ViewTruth::index_of(LayerKind kind, const TruthLayer& layer) const {
   const auto found = std::find_if(layers_.begin(), layers_.end(),

@@ -26,6 +26,10 @@ Image measured_mask(Image mask, const Image& smallest_mass);
 // The layer's mass on a plane.
 double plane_mass(const TruthLayer& layer);
 
+// The layer that a Gaussian of this target is computed as. A cut that removes less than a hundredth of the
+// tolerance is no cut: the layer is shared.
+TruthLayer truth_layer(double variance_mm2, const OwnTarget& target, double tolerance);
+
 // What a truth aims at: the headline (Euclidean, normalised, not cut), or another target.
 struct TruthImage {
   Image rgb;  // 0 off the skin
@@ -101,7 +105,9 @@ class ViewTruth {
 
   Wanted wanted_layers(const std::vector<Request>& requests) const;
   std::vector<double> visibility_bounds(const Request& request) const;
-  TruthLayer layer_of(double variance_mm2, const OwnTarget& target) const;
+  TruthLayer layer_of(double variance_mm2, const OwnTarget& target) const {
+    return truth_layer(variance_mm2, target, tolerance_);
+  }
   std::size_t index_of(LayerKind kind, const TruthLayer& layer) const;  // in layers_
   void compute_kind(LayerKind kind, const std::vector<TruthLayer>& layers, const LayerSource& source);
   // The certificates of all layers of a kind, whose order is that of `layers`.

@@ -82,6 +82,7 @@ class Refiner {
     shading_.positions_mm = mesh_.positions_mm;
     vertex_samples_.resize(mesh_.positions_mm.size());
     std::vector<Sample*> wanted;
+    shading_.triangles.reserve(mesh_.triangle_count());
     for (std::size_t t = 0; t < mesh_.triangle_count(); ++t) {
       ShadingTriangle triangle;
       triangle.vertices = mesh_.triangles[t];

@@ -234,6 +234,7 @@ FrameImages read_frame(const gpu::Context& context, const Frame& frame) {
     }
   }
   const std::vector<std::uint32_t> ids = gpu::Framebuffer(context, {&frame.surface_id}).read_uint(0);
+  images.surface.reserve(ids.size() / 4);
   for (std::size_t i = 0; i + 3 < ids.size(); i += 4) {
     PixelSurface surface;
     surface.triangle = static_cast<int>(ids[i]) - 1;

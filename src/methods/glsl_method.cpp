@@ -385,6 +385,8 @@ Method glsl_method(const GlslMethod& method) {
   made.name = method.name;
   made.title = method.title;
   made.source = method.source;
+  // A target for each pass, the result, the mask and the depth.
+  made.memory = {.bytes_per_pixel = 16.0 * (static_cast<double>(method.passes.size()) + 3.0)};
   made.own_target = [target = method.target](const Profile&, const Settings&) { return target; };
   made.prepare = [shared](const MethodInputs& inputs) { return prepare(shared, inputs); };
   made.check = [shared](const gpu::Context& context, const Profile& profile, const Settings& settings) {

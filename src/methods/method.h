@@ -66,6 +66,14 @@ struct NumericLimits {
   double raw_perspective = 0.0;
 };
 
+// What a method's textures, and what it gathers from them, hold at once while it draws; the frame is not its
+// own.
+struct MethodMemory {
+  double bytes_per_pixel =
+      64.0;                      // four targets of 16 bytes, the screen-space methods' (ScreenResult) and one
+  double bytes_per_texel = 0.0;  // of its maps, which have its setting `texture_size` squared texels
+};
+
 // A technique. To add one: a folder with its GLSL and a file that defines `Method <folder>_method()`, and the
 // folder's name in methods/CMakeLists.txt.
 struct Method {
@@ -75,6 +83,7 @@ struct Method {
   bool needs_uvs = false;
   bool masks_its_taps = true;  // takes no light from what is not skin
   NumericLimits limits;
+  MethodMemory memory;
   std::vector<SettingSpec> settings;
   std::function<OwnTarget(const Profile&, const Settings&)> own_target;
   // Throws Error (input) if a shader does not compile. Empty: its exitance comes from elsewhere.

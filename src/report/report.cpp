@@ -1,10 +1,13 @@
 #include "report/report.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/image_io.h"
+#include "core/parallel.h"
 #include "report/embed_text.h"
 #include "report/page.h"
 #include "report/pictures.h"
@@ -26,12 +29,21 @@ std::string title_of(const json& results) {
   return (named ? results.at(name).get<std::string>() + " \u00b7 " : std::string()) + "truescatter";
 }
 
+// Of the largest view.
+double most_pixels(const json& results) {
+  double most = 0.0;
+  for (const json& view : results.value("views", json::array()))
+    most = std::max(most, view.value("width_px", 0.0) * view.value("height_px", 0.0));
+  return most;
+}
+
 }  // namespace
 
 void write_report(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "results.json";
   try {
     const json results = read_results(folder);
+    const JobLimit limit(jobs_within(most_pixels(results) * kPictureJobBytes, job_count()));
     const json pictures = embedded_pictures(folder, picture_paths(results, file), kMaxPictureWidthPx);
     const json values = embedded_values(folder, results, kMaxValueBytes);
     write_text_file(folder / "report.html",

@@ -13,6 +13,7 @@ namespace truescatter {
 namespace {
 
 constexpr double kGutter = 1.0 / 64.0;    // between charts, of the atlas' side
+constexpr double kHeadArea_mm2 = 1.67e5;  // by its triangles at the default edge
 constexpr double kMostTriangles = 4.0e6;  // a larger scene is a slip in edge_mm
 constexpr int kFewestSegmentsAround = 12;
 
@@ -363,22 +364,6 @@ constexpr std::string_view kEdgeHelp = "target length of the triangles' edges";
 BuiltinParameter edge_parameter() { return {"edge_mm", 2.0, 0.05, 100.0, kEdgeHelp}; }
 BuiltinParameter size_parameter() { return {"size_mm", 60.0, 1.0, 1000.0, "side of the square"}; }
 
-// About how many triangles of the edge length cover the scene.
-double expected_triangles(std::string_view name, const BuiltinParameters& p) {
-  if (name == "head") return 0.0;  // its range bounds it
-  const double edge = value_of(p, "edge_mm");
-  double area = 0.0;
-  if (name == "sphere") area = 4.0 * kPi * std::pow(value_of(p, "radius_mm"), 2);
-  if (name == "plane") area = value_of(p, "size_mm") * plane_length_mm(p);
-  if (name == "wedge") area = std::pow(value_of(p, "size_mm"), 2);
-  if (name == "cards") area = 1.5 * std::pow(value_of(p, "size_mm"), 2);
-  if (name == "slab")
-    area = 2.0 * value_of(p, "size_mm") * (value_of(p, "size_mm") + 2.0 * value_of(p, "thickness_mm"));
-  if (name == "tube")
-    area = 2.0 * kPi * value_of(p, "radius_mm") * (value_of(p, "length_mm") + value_of(p, "radius_mm"));
-  return 2.0 * area / (edge * edge);
-}
-
 const BuiltinScene& find_scene(std::string_view name, const SourceLocation& where) {
   std::vector<std::string_view> names;
   for (const BuiltinScene& scene : builtin_scenes()) {
@@ -416,6 +401,21 @@ void check_range(const BuiltinScene& scene, const BuiltinParameter& parameter, d
 }
 
 }  // namespace
+
+double expected_triangles(std::string_view name, const BuiltinParameters& p) {
+  const double edge = value_of(p, "edge_mm");
+  double area = 0.0;
+  if (name == "head") area = kHeadArea_mm2;
+  if (name == "sphere") area = 4.0 * kPi * std::pow(value_of(p, "radius_mm"), 2);
+  if (name == "plane") area = value_of(p, "size_mm") * plane_length_mm(p);
+  if (name == "wedge") area = std::pow(value_of(p, "size_mm"), 2);
+  if (name == "cards") area = 1.5 * std::pow(value_of(p, "size_mm"), 2);
+  if (name == "slab")
+    area = 2.0 * value_of(p, "size_mm") * (value_of(p, "size_mm") + 2.0 * value_of(p, "thickness_mm"));
+  if (name == "tube")
+    area = 2.0 * kPi * value_of(p, "radius_mm") * (value_of(p, "length_mm") + value_of(p, "radius_mm"));
+  return 2.0 * area / (edge * edge);
+}
 
 const std::vector<BuiltinScene>& builtin_scenes() {
   static const std::vector<BuiltinScene> scenes{

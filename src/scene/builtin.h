@@ -46,6 +46,9 @@ struct BuiltinLocations {
 BuiltinParameters complete_parameters(std::string_view name, const BuiltinParameters& given,
                                       const BuiltinLocations& where = {});
 
+// About how many triangles a scene has with these parameters, all of which are given.
+double expected_triangles(std::string_view name, const BuiltinParameters& parameters);
+
 // Generates a scene by name; parameters that are not given take their defaults.
 // Throws Error (input): see complete_parameters.
 Mesh make_builtin(std::string_view name, const BuiltinParameters& parameters = {},

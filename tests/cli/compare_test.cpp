@@ -91,10 +91,11 @@ TEST_F(CliCompare, AnEmptyMaskGivesReasons) {
   const ProgramResult result =
       truescatter({"compare", "truth.exr", "truth.exr", "--mask", "mask.exr", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const nlohmann::json stats = nlohmann::json::parse(result.out);
+  nlohmann::json stats = nlohmann::json::parse(result.out);
   EXPECT_TRUE(stats.at("rmse").is_null());
   EXPECT_EQ(stats.at("rmse_reason"), "no pixel to measure");
-  EXPECT_FALSE(contains(result.out, "nan"));
+  stats.erase("provenance");  // it names a library nanoflann
+  EXPECT_FALSE(contains(stats.dump(), "nan"));
 }
 
 // Skin in columns 8 to 55 of 64, before nothing: delta is 0 at the columns 8 and 55, and grows by 1 px a

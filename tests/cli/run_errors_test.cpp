@@ -90,6 +90,36 @@ TEST_F(CliErrorsBeforeComputing, WrongSettings) {
                  {"truescatter: e.toml:29:13: ", "it must be one of: "});
 }
 
+// Nothing of a run that memory does not suffice for is begun.
+TEST_F(CliErrorsBeforeComputing, AFrameBeyondTheMemoryLimit) {
+  const std::string large =
+      with(with(kTiny, "width_px = 48", "width_px = 4096"), "height_px = 48", "height_px = 4096");
+  expect_refused(run(large, {"--memory-limit", "0.5"}),
+                 {"truescatter: e.toml: scene builtin:plane, view 'front': ", " needs about ",
+                  " GiB of memory (", "--memory-limit is 512 MiB; fewer pixels (4096 x 4096) or Gaussians"});
+}
+
+TEST_F(CliErrorsBeforeComputing, AFrameBeyondAnyMemory) {
+  expect_refused(run(with(kTiny, "width_px = 48", "width_px = 100000")),
+                 {"truescatter: e.toml:16:12: 'view.width_px' is 100000; it must lie in [1, 16384]"});
+}
+
+// Of a built-in scene the triangles are known about before it is generated, and exactly after.
+TEST_F(CliErrors, TrianglesBeyondTheMemoryLimit) {
+  const std::string fine = with(kTiny, "edge_mm = 5.0", "edge_mm = 0.1");
+  for (const bool dry : {true, false}) {
+    std::vector<std::string> arguments = {"--memory-limit", "0.3"};
+    if (dry) arguments.emplace_back("--dry-run");
+    expect_refused(run(fine, arguments), {"truescatter: e.toml: scene builtin:plane, view 'front': ",
+                                          "--memory-limit is 307 MiB", "fewer triangles ("});
+  }
+}
+
+TEST_F(CliErrors, MemoryLimitsThatAreNone) {
+  for (const char* limit : {"0", "-1", "all", "nan"})
+    expect_refused(run(kTiny, {"--memory-limit", limit}), {"--memory-limit"});
+}
+
 TEST_F(CliErrorsBeforeComputing, NoSuchMesh) {
   expect_refused(run(kMeshFile), {"truescatter: e.toml:4:8: no such file: ", "a.obj\nAsk the librarian."});
 }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <random>
 
+#include "core/file.h"
 #include "support/error_of.h"
 #include "support/temp_dir.h"
 
@@ -168,6 +169,14 @@ TEST(ReadLinearColours, DecodesWholeNumbersAndKeepsFloats) {
 }
 
 // A header is a few bytes, and could ask for any memory. Radiance's: a text, then the pixels.
+TEST(ImageValues, AreToldByTheHeader) {
+  const test::TempDir folder;
+  const Image image(5, 3, 3, 0.5F);
+  write_exr(folder.path() / "a.exr", {{"", &image}});
+  EXPECT_EQ(image_values(folder.path() / "a.exr"), 45.0);
+  EXPECT_EQ(image_values(folder.path() / "none.exr"), 0.0);
+}
+
 TEST(ReadImage, AsksForNoMoreThanAFileCanHold) {
   const test::TempDir folder;
   const auto refusal = [&](const std::string& size) {
@@ -181,6 +190,25 @@ TEST(ReadImage, AsksForNoMoreThanAFileCanHold) {
       << refusal("-Y 40000 +X 40000");
   EXPECT_NE(refusal("-Y 4000 +X 4000").find("which a file of 55 bytes cannot hold"), std::string::npos)
       << refusal("-Y 4000 +X 4000");
+}
+
+// A string of 0x72000000 bytes in a file of a few hundred.
+TEST(ReadImage, AsksForNoLongerAttributeThanAFileHolds) {
+  const test::TempDir folder;
+  const Image image(5, 3, 3, 0.5F);
+  write_exr(folder.path() / "a.exr", {{"", &image}}, {{"comments", "short"}});
+  std::string bytes = read_text_file(folder.path() / "a.exr");
+  const std::string before = std::string("comments\0string\0", 16);
+  const std::size_t size = bytes.find(before);
+  ASSERT_NE(size, std::string::npos);
+  bytes[size + before.size() + 3] = '\x72';
+  const auto error = test::error_of([&] { read_image(folder.write("b.exr", bytes)); });
+  ASSERT_TRUE(error.has_value());
+  EXPECT_NE(std::string(error->what())
+                .find("b.exr: cannot read this image: attribute 'comments' is of 1912602629 bytes, and "),
+            std::string::npos)
+      << error->what();
+  EXPECT_EQ(image_values(folder.path() / "b.exr"), 0.0);
 }
 
 TEST(ReadImage, ErrorsBeginWithTheFile) {

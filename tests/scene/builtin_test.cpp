@@ -19,7 +19,7 @@ namespace {
 using EdgeUses = std::map<std::pair<int, int>, int>;
 
 // How often each directed edge is used.
-EdgeUses directed_edges(const Mesh& mesh) {
+EdgeUses directed_edge_uses(const Mesh& mesh) {
   EdgeUses uses;
   for (const auto& t : mesh.triangles) {
     for (std::size_t c = 0; c < 3; ++c) ++uses[{t[c], t[(c + 1) % 3]}];
@@ -29,7 +29,7 @@ EdgeUses directed_edges(const Mesh& mesh) {
 
 // Every edge once in each direction: a closed, oriented manifold (but for vertices where cones touch).
 bool is_closed(const Mesh& mesh) {
-  const EdgeUses uses = directed_edges(mesh);
+  const EdgeUses uses = directed_edge_uses(mesh);
   return std::all_of(uses.begin(), uses.end(), [&uses](const auto& entry) {
     return entry.second == 1 && uses.count({entry.first.second, entry.first.first}) == 1;
   });
@@ -38,7 +38,8 @@ bool is_closed(const Mesh& mesh) {
 // V - E + F: 2 for a sphere, 1 for a disc.
 int euler_characteristic(const Mesh& mesh) {
   std::set<std::pair<int, int>> edges;
-  for (const auto& [edge, count] : directed_edges(mesh)) edges.insert(std::minmax(edge.first, edge.second));
+  for (const auto& [edge, count] : directed_edge_uses(mesh))
+    edges.insert(std::minmax(edge.first, edge.second));
   return static_cast<int>(mesh.positions_mm.size()) - static_cast<int>(edges.size()) +
          static_cast<int>(mesh.triangles.size());
 }

@@ -11,6 +11,7 @@ Method none_method() {
   method.name = "none";
   method.title = "No scattering";
   method.source = "baseline";
+  method.memory = {.bytes_per_pixel = 0.0};
   method.own_target = [](const Profile&, const Settings&) { return OwnTarget{}; };
   method.prepare = [](const MethodInputs& inputs) {
     return PreparedMethod{[](Passes&) {}, &inputs.frame.irradiance};

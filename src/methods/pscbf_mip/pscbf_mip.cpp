@@ -139,6 +139,8 @@ Method pscbf_mip_method() {
   method.title = "Pseudo-separable filter on mip maps";
   method.source = "Mikkelsen 2010, section 7";
   method.limits = {.rounding = 2e-5, .identity_per_px = 1.6};
+  // Those of ScreenResult, and two chains of maps that halve along one axis: twice the first.
+  method.memory = {.bytes_per_pixel = 3.0 * 16.0 + 2.0 * 2.0 * 16.0};
   method.settings = {taps_setting(), placement_setting(), r_max_setting()};
   method.own_target = [](const Profile& profile, const Settings& settings) {
     return OwnTarget{false, true, r_max_mm(profile, settings)};

@@ -97,6 +97,8 @@ Method pscbf_transmit_method() {
   method.name = "pscbf-transmit";
   method.title = "Pseudo-separable filter with transmittance";
   method.source = "Mikkelsen 2010, section 6";
+  // ScreenResult, two buffers with their depths, and the result.
+  method.memory = {.bytes_per_pixel = 3.0 * 16.0 + 2.0 * 20.0 + 16.0};
   method.own_target = [](const Profile& profile, const Settings& settings) {
     return OwnTarget{.r_max_mm = r_max_mm(profile, settings), .transmittance = true};
   };

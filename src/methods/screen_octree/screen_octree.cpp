@@ -133,6 +133,10 @@ Method screen_octree_method() {
   method.title = "Octree over front and back buffers";
   method.source = "van Lommel 2007; Jensen & Buhler 2002";
   method.limits = {.rounding = 1e-5};
+  // Four targets and two depths; what is read of them; and for each of two samples a pixel its entry and, in
+  // a leaf of eight and often fewer, a share of the octree.
+  method.memory = {.bytes_per_pixel =
+                       4.0 * 16.0 + 2.0 * 4.0 + 5.0 * 16.0 + 2.0 * 3.0 * sizeof(SurfaceSample)};
   method.settings = {
       {"solid_angle", "below which a voxel counts as one sample, steradians", 0.05, 0.0, 12.0},
       {"sum", "divided by its own weights, or not", 0.0, 0.0, 0.0, false, {"normalised", "raw"}}};

@@ -51,6 +51,8 @@ Method texture_space_method() {
   method.title = "Texture-space diffusion";
   method.source = "d'Eon & Luebke 2007; Yang et al.";
   method.limits = {.rounding = 1e-5, .identity_per_texel = 1.42};
+  // A result on the screen; the light, its stretch and the nearest texels in texture space, two maps each.
+  method.memory = {.bytes_per_pixel = 16.0, .bytes_per_texel = 3.0 * 2.0 * 16.0};
   method.needs_uvs = true;
   method.settings = uv_diffusion_settings();
   method.own_target = [](const Profile&, const Settings&) { return OwnTarget{true, true, std::nullopt}; };

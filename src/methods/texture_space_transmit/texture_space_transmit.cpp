@@ -285,6 +285,8 @@ Method texture_space_transmit_method() {
   method.title = "Texture-space diffusion with translucent shadow maps";
   method.source = "d'Eon & Luebke 2007; the walkthrough";
   method.limits = {.rounding = 1e-5, .identity_per_texel = 1.42};
+  // As texture-space, with thickness on the screen; a shadow map with its depth, light and normals.
+  method.memory = {.bytes_per_pixel = 3.0 * 16.0, .bytes_per_texel = 6.0 * 2.0 * 16.0};
   method.needs_uvs = true;
   method.settings = settings();
   method.own_target = [](const Profile&, const Settings&) {
