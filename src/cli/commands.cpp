@@ -40,21 +40,22 @@ void require_same_size(const Image& a, const std::filesystem::path& a_path, cons
                     a.height(), b_path.string(), b.width(), b.height());
 }
 
+// A dash where there is no number.
+std::string number_text(const nlohmann::json& of, const char* key) {
+  return of.at(key).is_number() ? fmt::format("{:.6g}", of.at(key).get<double>()) : "-";
+}
+
 void print_stats(const std::string& name, const nlohmann::json& stats) {
-  const auto text = [&](const char* key) {
-    return stats.at(key).is_number() ? fmt::format("{:.6g}", stats.at(key).get<double>()) : std::string("-");
-  };
+  const auto text = [&](const char* key) { return number_text(stats, key); };
   fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", name, text("bias"),
              text("mae"), text("rmse"), text("rel_rmse"), text("p50"), text("p95"), text("p99"), text("max"));
 }
 
 void print_halo(const nlohmann::json& halo) {
-  const auto text = [](const nlohmann::json& of, const char* key) {
-    return of.at(key).is_number() ? fmt::format("{:.6g}", of.at(key).get<double>()) : std::string("-");
-  };
   const auto line = [&](const std::string& name, const nlohmann::json& of) {
-    fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12}\n", name, text(of, "peak"), text(of, "width_px"),
-               text(of, "energy"), text(of, "contrast"), of.at("pixels").dump());
+    fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12}\n", name, number_text(of, "peak"),
+               number_text(of, "width_px"), number_text(of, "energy"), number_text(of, "contrast"),
+               of.at("pixels").dump());
   };
   fmt::print("{:<10} {:>12} {:>12} {:>12} {:>12} {:>12}\n", "halo", "peak", "width_px", "energy", "contrast",
              "pixels");

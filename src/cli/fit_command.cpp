@@ -145,30 +145,32 @@ FitSpec fit_of(const FitArguments& arguments) {
   return fit;
 }
 
-// A published sum by its name, or the Gaussians of a file.
-Profile gaussians_named(const std::string& name) {
+// Null where there is none of this name.
+const Profile* published_sum(const std::string& name) {
   const std::vector<Profile>& known = published_sums();
   const auto found =
       std::find_if(known.begin(), known.end(), [&](const Profile& p) { return p.name == name; });
-  if (found != known.end()) return *found;
+  return found == known.end() ? nullptr : &*found;
+}
+
+// A published sum by its name, or the Gaussians of a file.
+Profile gaussians_named(const std::string& name) {
+  if (const Profile* known = published_sum(name)) return *known;
   if (!std::filesystem::exists(name)) {
     std::vector<std::string> names;
-    for (const Profile& p : known) names.push_back(p.name);
+    for (const Profile& p : published_sums()) names.push_back(p.name);
     throw_input_error(option("score"), "\"{}\" is no file, and no published sum; there are: {}", name,
                       fmt::join(names, ", "));
   }
   return sum_of_gaussians(name, read_fit(name));
 }
 
-// The files that a fit is made from.
+// The files that a fit is made from. What came through a pipe cannot be read again.
 std::vector<std::filesystem::path> input_files(const FitArguments& arguments) {
   std::vector<std::filesystem::path> files;
-  for (const std::filesystem::path& file :
-       {std::filesystem::path(arguments.table), std::filesystem::path(arguments.layers),
-        std::filesystem::path(arguments.score)}) {
-    // What is scored may be a published sum by its name.
-    if (!file.empty() && std::filesystem::is_regular_file(file)) files.push_back(file);
-  }
+  const bool scores_file = published_sum(arguments.score) == nullptr;
+  for (const std::string& file : {arguments.table, arguments.layers, scores_file ? arguments.score : ""})
+    if (std::filesystem::is_regular_file(file)) files.emplace_back(file);
   return files;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -15,6 +16,10 @@ namespace truescatter {
 
 // An experiment as its file states it, every key checked for type and range. Names of methods, profiles and
 // built-in scenes are resolved by the modules that know them; `where` lets them name the line.
+
+// What comes before the name of a scene, a map or a shader library that the program has itself, where else a
+// file's path stands.
+inline constexpr std::string_view kBuiltinPrefix = "builtin:";
 
 // A copy of the scene's mesh, turned about its own +y axis, from +z towards +x, then moved.
 struct CharacterSpec {

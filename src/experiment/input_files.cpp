@@ -1,15 +1,12 @@
 #include "experiment/input_files.h"
 
 #include <filesystem>
-#include <string_view>
 
 #include "core/content_hash.h"
 #include "experiment/own_method.h"
 
 namespace truescatter {
 namespace {
-
-constexpr std::string_view kBuiltin = "builtin:";
 
 class InputFiles {
  public:
@@ -35,7 +32,7 @@ class InputFiles {
 
  private:
   void add(const ExperimentSpec& spec, const std::string& path, const SourceLocation& where) {
-    if (path.empty() || path.starts_with(kBuiltin) || hashes.count(path) != 0) return;
+    if (path.empty() || path.starts_with(kBuiltinPrefix) || hashes.count(path) != 0) return;
     hashes.emplace(path, hash_of_file(resolve_path(spec, path, where)));
   }
 

@@ -9,8 +9,6 @@
 namespace truescatter {
 namespace {
 
-constexpr std::string_view kBuiltin = "builtin:";
-
 void check_name(const MethodSpec& method) {
   const auto& known = all_methods();
   if (std::any_of(known.begin(), known.end(), [&](const Method& m) { return m.name == method.name; }))
@@ -32,8 +30,9 @@ GlslRun run_of(const OwnMethodSpec& own) {
 std::vector<gpu::ShaderText> included(const ExperimentSpec& spec, const OwnMethodSpec& own) {
   std::vector<gpu::ShaderText> texts;
   for (const std::string& path : own.include) {
-    texts.push_back(path.starts_with(kBuiltin) ? glsl_library(path.substr(kBuiltin.size()), own.include_where)
-                                               : read_shader(spec, path, own.include_where));
+    texts.push_back(path.starts_with(kBuiltinPrefix)
+                        ? glsl_library(path.substr(kBuiltinPrefix.size()), own.include_where)
+                        : read_shader(spec, path, own.include_where));
   }
   return texts;
 }

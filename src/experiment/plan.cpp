@@ -10,8 +10,9 @@
 namespace truescatter {
 namespace {
 
-std::string gaussians_text(std::size_t count) {
-  return fmt::format("{} Gaussian{}", count, count == 1 ? "" : "s");
+// "1 view", "2 views".
+std::string counted(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 // Fitted now, or in a file.
@@ -21,12 +22,12 @@ Profile fitted_profile(const ExperimentSpec& experiment, const ProfileSpec& spec
     const DiffusionProfile& of = plan.approximated.at(spec.name);
     const GaussianFit& fit = plan.fits.emplace(spec.name, fit_profile(of, *spec.fit)).first->second;
     profile = sum_of_gaussians(spec.name, fit.levels);
-    profile.title = fmt::format("{} for the {}", gaussians_text(fit.levels.size()), of.title());
+    profile.title = fmt::format("{} for the {}", counted(fit.levels.size(), "Gaussian"), of.title());
     profile.source = "fitted by this experiment";
   } else {
     profile =
         sum_of_gaussians(spec.name, read_fit(resolve_path(experiment, spec.fit->file, spec.fit->where)));
-    profile.title = fmt::format("{} of {}", gaussians_text(profile.terms.size()), spec.fit->file);
+    profile.title = fmt::format("{} of {}", counted(profile.terms.size(), "Gaussian"), spec.fit->file);
     profile.source = spec.fit->file;
   }
   if (spec.r_max_mm > 0.0) profile.r_max_mm = spec.r_max_mm;
@@ -250,8 +251,9 @@ std::string model_truth_id(const std::string& view, const Profile& profile, bool
 
 std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const SceneOutline& scene) {
   const std::size_t runs = spec.views.size() * plan.profiles.size() * plan.methods.size();
-  std::string text = fmt::format("{}: {} views x {} profiles x {} methods = {} runs\n", spec.name,
-                                 spec.views.size(), plan.profiles.size(), plan.methods.size(), runs);
+  std::string text = fmt::format("{}: {} x {} x {} = {}\n", spec.name, counted(spec.views.size(), "view"),
+                                 counted(plan.profiles.size(), "profile"),
+                                 counted(plan.methods.size(), "method"), counted(runs, "run"));
   text += fmt::format("scene {}{}\n", spec.scene.mesh, in_brackets(scene.parameters));
   if (!spec.scene.characters.empty()) text += fmt::format("characters {}\n", spec.scene.characters.size());
   if (!spec.scene.skin_mask.empty()) text += fmt::format("skin mask {}\n", spec.scene.skin_mask);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <string_view>
 #include <utility>
 
 #include "core/image_io.h"
@@ -15,7 +14,6 @@
 namespace truescatter {
 namespace {
 
-constexpr std::string_view kBuiltinPrefix = "builtin:";
 constexpr std::size_t kResidualSamples = 20000;
 
 bool is_builtin(const SceneSpec& scene) { return scene.mesh.starts_with(kBuiltinPrefix); }

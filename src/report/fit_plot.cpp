@@ -128,10 +128,20 @@ std::string escaped(const std::string& text) {
   return safe;
 }
 
+std::string origin(const json& document) {
+  if (!document.contains("provenance")) return "";
+  const json& program = document.at("provenance");
+  return fmt::format("<desc>fitted by truescatter {} ({}{})</desc>\n",
+                     escaped(program.at("version").get<std::string>()),
+                     escaped(program.at("commit").get<std::string>()),
+                     program.at("commit_dirty").get<bool>() ? " with changes" : "");
+}
+
 std::string legend(const json& document) {
-  std::string svg = fmt::format("<text x=\"{}\" y=\"22\" font-weight=\"bold\">{}: {} Gaussians</text>\n",
+  const std::size_t gaussians = document.at("variances").size();
+  std::string svg = fmt::format("<text x=\"{}\" y=\"22\" font-weight=\"bold\">{}: {} Gaussian{}</text>\n",
                                 kLeft_px, escaped(document.at("asked").at("title").get<std::string>()),
-                                document.at("variances").size());
+                                gaussians, gaussians == 1 ? "" : "s");
   for (std::size_t c = 0; c < 3; ++c) {
     std::string errors;
     for (const char* norm : {"r", "area", "r2"}) {
@@ -171,6 +181,7 @@ std::string draw(const json& document) {
       "style>\n"
       "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
       kWidth_px, kHeight_px);
+  svg += origin(document);
   svg += legend(document);
   svg += frame(x, top, "R (solid), Gaussians (dashed), 1/mm\u00b2") +
          frame(x, bottom, "|R - S|, 1/mm\u00b2; dashed: too dark");

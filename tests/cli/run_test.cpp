@@ -499,7 +499,7 @@ maximum = 0.5
   const std::size_t memory = listed.find("memory view front: about ");
   ASSERT_NE(memory, std::string::npos) << result.out;
   listed.erase(memory, listed.find('\n', memory) + 1 - memory);
-  EXPECT_EQ(listed, R"(tiny: 1 views x 1 profiles x 4 methods = 4 runs
+  EXPECT_EQ(listed, R"(tiny: 1 view x 1 profile x 4 methods = 4 runs
 scene builtin:plane (charts = 1, edge_mm = 5, length_mm = 0, size_mm = 20, uv_stretch = 1)
 method none: No scattering
 method pscbf: Pseudo-separable cross bilateral filter (placement = median, r_max_mm = 0, sampling = taps, sharing = red, taps = 13, targets = 32-bit)

@@ -30,7 +30,7 @@ std::size_t count(const std::string& text, const std::string& word) {
 
 TEST(FitPlot, DrawsWhatIsOnItsAxes) {
   const std::string svg = fit_plot_svg(document().dump());
-  EXPECT_NE(svg.find("a &lt;b> &amp; c: 1 Gaussians"), std::string::npos);
+  EXPECT_NE(svg.find("a &lt;b> &amp; c: 1 Gaussian<"), std::string::npos);
   EXPECT_NE(svg.find("r none"), std::string::npos);
   // Red and green profile and fit above; below, green's error, too dark first and then too bright. Blue is
   // dark, red is exact.
@@ -39,6 +39,14 @@ TEST(FitPlot, DrawsWhatIsOnItsAxes) {
   EXPECT_EQ(svg.find("inf"), std::string::npos);
   // r = 0.1 lies halfway between 74 and 740 px, on a decade axis from 0.01 to 1.
   EXPECT_NE(svg.find("407.0"), std::string::npos);
+}
+
+TEST(FitPlot, SaysWhereTheFitIsFrom) {
+  nlohmann::json fit = document();
+  EXPECT_EQ(fit_plot_svg(fit.dump()).find("<desc>"), std::string::npos);
+  fit["provenance"] = {{"version", "1.2"}, {"commit", "abc"}, {"commit_dirty", true}};
+  EXPECT_NE(fit_plot_svg(fit.dump()).find("<desc>fitted by truescatter 1.2 (abc with changes)</desc>"),
+            std::string::npos);
 }
 
 TEST(FitPlot, RefusesWhatHasNoCurve) {
