@@ -71,15 +71,18 @@ ExperimentSpec advised(ExperimentSpec spec) {
 }
 
 json run_and_read(const ExperimentSpec& spec, const AdviseArguments& arguments, TruthCache* cache) {
-  // Without --out the folder is never published, and goes with the object.
+  // Without --out the folder is never published, and goes with the object, or with the next one's.
+  const bool keep = !arguments.out.empty();
   const std::filesystem::path folder =
-      arguments.out.empty()
-          ? std::filesystem::temp_directory_path() / fmt::format("truescatter-advise-{}", ::getpid())
-          : arguments.out;
+      keep ? arguments.out : std::filesystem::temp_directory_path() / "truescatter-advise";
+  if (!keep) discard_leftovers(folder);
   ResultFolder results(folder);
-  run_experiment(spec, results.working(), cache, {}, {arguments.gl});
+  RunOptions options;
+  options.gl = arguments.gl;
+  options.memory_limit_bytes = memory_limit(arguments.memory_limit);
+  run_experiment(spec, results.working(), cache, {}, options);
   json read = read_results(results.working());
-  if (arguments.out.empty()) return read;
+  if (!keep) return read;
   write_report(results.working());
   results.publish();
   return read;
@@ -89,6 +92,7 @@ json model_of(const ExperimentSpec& spec, const AdviseArguments& arguments, doub
   NeedOptions options;
   options.gl = arguments.gl;
   options.cache = cache;
+  options.memory_limit_bytes = memory_limit(arguments.memory_limit);
   const json needs = scene_needs(spec, options);
   return {{"parts", model_advice(needs, error)}, {"measured", needs}};
 }
@@ -117,6 +121,8 @@ int advise(const AdviseArguments& arguments) {
   const JobLimit limit(arguments.jobs);
   json found;
   if (std::filesystem::is_directory(arguments.source)) {
+    if (!arguments.memory_limit.empty())
+      throw_input_error(option("memory-limit"), "is for an experiment; this is a result folder");
     if (!arguments.out.empty())
       throw_input_error(option("out"), "is for an experiment; this is a result folder");
     const json results = read_results(arguments.source);

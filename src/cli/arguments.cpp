@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/parse_number.h"
+#include "experiment/memory_estimate.h"
 
 namespace truescatter::cli {
 
@@ -14,6 +15,14 @@ double positive(std::string_view text, const std::string& name, std::string_view
   const double value = parse_finite(text, option(name), what);
   if (value <= 0.0) throw_input_error(option(name), "\"{}\": {} must be above 0", text, what);
   return value;
+}
+
+std::uint64_t memory_limit(std::string_view gib) {
+  constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+  constexpr double kMostGiB = 1e6;  // more than any machine's, and its bytes are within 64 bits
+  if (gib.empty()) return default_memory_limit();
+  return static_cast<std::uint64_t>(kGiB *
+                                    std::min(positive(gib, "memory-limit", "a limit in GiB"), kMostGiB));
 }
 
 std::string one_of(const std::string& value, const std::string& name, const std::vector<std::string>& known) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -15,6 +16,9 @@ SourceLocation option(const std::string& name);
 
 // A finite number above 0.
 double positive(std::string_view text, const std::string& name, std::string_view what);
+
+// --memory-limit in bytes, of its GiB; default_memory_limit() where it is empty.
+std::uint64_t memory_limit(std::string_view gib);
 
 // The value itself, which is one of those known.
 std::string one_of(const std::string& value, const std::string& name, const std::vector<std::string>& known);

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "arguments.h"
@@ -98,12 +96,9 @@ int compare_folders(const CompareArguments& arguments) {
 
 constexpr const char* kHowToGoOn = "what is finished is kept; the same command with --resume goes on from it";
 
-std::uint64_t memory_limit(const RunArguments& arguments) {
-  constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
-  constexpr double kMostGiB = 1e6;  // more than any machine's, and its bytes are within 64 bits
-  if (arguments.memory_limit.empty()) return default_memory_limit();
-  const double limit_gib = positive(arguments.memory_limit, "memory-limit", "a limit in GiB");
-  return static_cast<std::uint64_t>(kGiB * std::min(limit_gib, kMostGiB));
+void keep_for_resume(ResultFolder& results) {
+  results.keep();
+  fmt::print(stderr, "note: {}\n", kHowToGoOn);
 }
 
 RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunArguments& arguments) {
@@ -112,16 +107,16 @@ RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunAr
   try {
     const RunOutcome outcome = run_experiment(spec, results.working(), cache.get(), {},
                                               {arguments.gl, arguments.export_inputs, arguments.export_passes,
-                                               memory_limit(arguments), arguments.resume});
+                                               memory_limit(arguments.memory_limit), arguments.resume});
     write_report(results.working());
     results.publish();
     return outcome;
   } catch (const Error& error) {
     // The disk may have room again, and the driver another mood; what an experiment says wrong stays wrong.
-    if (error.kind() == ErrorKind::run) {
-      results.keep();
-      fmt::print(stderr, "note: {}\n", kHowToGoOn);
-    }
+    if (error.kind() == ErrorKind::run) keep_for_resume(results);
+    throw;
+  } catch (const std::exception&) {  // no memory, or what a library has to say
+    keep_for_resume(results);
     throw;
   }
 }
@@ -137,10 +132,10 @@ int run(const RunArguments& arguments) {
     std::string text;
     for (const ExperimentSpec& point : sweep_points(spec)) {
       const Plan plan = make_plan(point, arguments.export_inputs);
-      refuse_beyond_memory(point, plan, {}, memory_limit(arguments));
+      refuse_beyond_memory(point, plan, {}, memory_limit(arguments.memory_limit));
       check_shaders(plan, arguments.gl);
       const SceneOutline scene = check_scene(point);
-      refuse_beyond_memory(point, plan, size_of(scene), memory_limit(arguments));
+      refuse_beyond_memory(point, plan, size_of(scene), memory_limit(arguments.memory_limit));
       text += describe_plan(point, plan, scene) + describe_memory(point, plan, size_of(scene));
     }
     check_destination(folder);

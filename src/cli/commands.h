@@ -93,6 +93,7 @@ struct AdviseArguments {
   std::filesystem::path out;  // of the experiment's result; empty: it is not kept
   int jobs = 0;               // 0: all cores
   gpu::Backend gl = gpu::Backend::osmesa;
+  std::string memory_limit;  // in GiB, as the user gave it; empty: default_memory_limit()
   bool json = false;
 };
 int advise(const AdviseArguments& arguments);

@@ -195,7 +195,8 @@ void check_outputs(const std::vector<std::filesystem::path>& paths) {
   }
 }
 
-// All of them or none: whole beside their places first, renamed when the last is there.
+// All of them or none, but for a rename that fails after others: whole beside their places first, renamed
+// when the last is there.
 void write_together(const FileTexts& files) {
   std::vector<std::pair<std::filesystem::path, std::filesystem::path>> written;
   try {
@@ -204,12 +205,12 @@ void write_together(const FileTexts& files) {
       written.emplace_back(temporary_sibling(path), path);
       write_text_file(written.back().first, text);
     }
-  } catch (const Error&) {
+    for (const auto& [temporary, path] : written) commit_temporary(temporary, path);
+  } catch (const std::exception&) {
     std::error_code ignored;
     for (const auto& [temporary, path] : written) std::filesystem::remove(temporary, ignored);
     throw;
   }
-  for (const auto& [temporary, path] : written) commit_temporary(temporary, path);
 }
 
 }  // namespace

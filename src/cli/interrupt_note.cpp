@@ -27,14 +27,18 @@ InterruptNote::InterruptNote(const std::string& text) {
   const std::string line = "\ntruescatter: interrupted; " + text + "\n";
   line_length = std::min(line.size(), line_to_write.size());
   std::copy_n(line.begin(), line_length, line_to_write.begin());
-  for (const int signal_number : kSignals) {
+  struct sigaction note {};
+  note.sa_handler = say_and_end;
+  sigemptyset(&note.sa_mask);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], nullptr, &before_[i]);
     // What the caller has switched off (nohup) stays off.
-    if (std::signal(signal_number, say_and_end) == SIG_IGN) std::signal(signal_number, SIG_IGN);
+    if (before_[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &note, nullptr);
   }
 }
 
 InterruptNote::~InterruptNote() {
-  for (const int signal_number : kSignals) std::signal(signal_number, SIG_DFL);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
 }
 
 }  // namespace truescatter::cli

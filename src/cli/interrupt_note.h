@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <csignal>
 #include <string>
 
@@ -14,6 +15,9 @@ class InterruptNote {
   ~InterruptNote();
   InterruptNote(const InterruptNote&) = delete;
   InterruptNote& operator=(const InterruptNote&) = delete;
+
+ private:
+  std::array<struct sigaction, 3> before_{};
 };
 
 }  // namespace truescatter::cli

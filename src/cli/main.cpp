@@ -60,9 +60,10 @@ int dispatch(int argc, char** argv) {
                 "Write the textures that methods name on their way as EXR and PNG, to passes/");
   run->add_flag("--resume", run_arguments.resume, "Go on from what a run that was cut off has finished")
       ->excludes("--dry-run");
-  run->add_option("--memory-limit", run_arguments.memory_limit,
-                  "Memory in GiB that a run may take: one that is estimated to need more is refused "
-                  "(default: 16, or the machine's where that is less)");
+  constexpr const char* kMemoryLimit =
+      "Memory in GiB that a run may take: one that is estimated to need more is refused (default: 16, or the "
+      "machine's where that is less)";
+  run->add_option("--memory-limit", run_arguments.memory_limit, kMemoryLimit);
   run->add_flag("--no-cache", run_arguments.no_cache, "Compute every truth, and keep none in the cache");
 
   TruthArguments truth_arguments;
@@ -161,6 +162,7 @@ int dispatch(int argc, char** argv) {
       ->check(CLI::Range(1, 4096));
   advise->add_option("--gl", gl, "OpenGL by osmesa (software; default) or by egl")
       ->check(CLI::IsMember({"osmesa", "egl"}));
+  advise->add_option("--memory-limit", advise_arguments.memory_limit, kMemoryLimit);
   advise->add_flag("--json", advise_arguments.json, "Print JSON");
 
   std::string folder;

@@ -235,8 +235,8 @@ struct ThresholdSpec {
 // assumption. What each adds is measured under every profile in every view.
 struct LadderSpec {
   struct Rung {
-    // A truth, normalised: whole | cut (at the profile's r_max) | cut-visible (and of the visible surface
-    // alone) | geodesic; empty: a method
+    // A truth: whole | cut (at the profile's r_max) | cut-visible (and of the visible surface alone) |
+    // geodesic, all normalised; raw-cut | raw-cut-visible; empty: a method
     std::string truth;
     std::string method;  // a method's label
     std::string assumption;

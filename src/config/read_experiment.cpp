@@ -405,6 +405,16 @@ OwnMethodSpec read_own_method(TomlTable& table, const std::string& name) {
   return own;
 }
 
+// Names of files, layers and rungs that are not a method's.
+void check_label(const TomlTable& table, const char* key, const std::string& label) {
+  const bool taken =
+      label == "truth" || label == "mask" || label.starts_with("truth-") || label.starts_with("ladder-");
+  if (!taken) return;
+  table.fail(key, fmt::format("'method.{}' is \"{}\"; \"truth\", \"mask\" and what starts with \"truth-\" or "
+                              "\"ladder-\" name what is no method's",
+                              key, label));
+}
+
 // One, or those that its grid stands for.
 std::vector<MethodSpec> read_methods(TomlTable table) {
   MethodSpec method;
@@ -413,8 +423,7 @@ std::vector<MethodSpec> read_methods(TomlTable table) {
   method.label = table.text("label", method.name);
   const char* label_key = table.has("label") ? "label" : "name";
   check_file_name(table, label_key, std::string("method.") + label_key, method.label);
-  if (method.label == "truth")
-    table.fail("label", "'method.label' must not be \"truth\": the truth's own files have it");
+  check_label(table, label_key, method.label);
   table.allow({"image", "pass", "grid"});
   // Keys of the two alone: `run` without a pass is a pass that was forgotten, not an unknown key.
   if (table.has("image") || table.has("pass") || table.has("run"))
@@ -501,6 +510,10 @@ LadderSpec read_ladder(TomlTable table, const std::vector<MethodSpec>& methods) 
     }
     rung.assumption = entry.text("assumption");
     entry.finish();
+    for (const LadderSpec::Rung& above : ladder.rungs) {
+      if (above.name() == rung.name())
+        entry.fail(rung.truth.empty() ? "method" : "truth", fmt::format("two rungs are '{}'", rung.name()));
+    }
     ladder.rungs.push_back(rung);
   }
   if (ladder.rungs.size() < 2) table.fail("rung", "a ladder needs at least two [[ladder.rung]]");
@@ -762,6 +775,10 @@ ExperimentSpec read_experiment_or_standard(const std::filesystem::path& file) {
   if (standard) root.as_table()["method"] = standard_methods();
   ExperimentSpec spec = read_root(TomlTable(root, ""), file);
   spec.standard_methods = standard;
+  if (spec.sweep)
+    throw_input_error(spec.sweep->where,
+                      "'sweep': one setting for several scenes is not what is asked for; take it "
+                      "out, and give the value that counts in its place");
   return spec;
 }
 

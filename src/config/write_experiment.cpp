@@ -36,10 +36,11 @@ std::string line(const std::string& key, const std::vector<double>& numbers) {
   return fmt::format("{} = [{}]\n", key, fmt::join(numbers, ", "));
 }
 
-// A path that names the same file from wherever it is read.
+// A path that names the same file from wherever it is read. One that starts with a variable does
+// (expanded_path).
 std::string portable_path(const ExperimentSpec& spec, const std::string& path) {
-  const bool keep = path.empty() || path.starts_with(kBuiltinPrefix) ||
-                    path.find("${") != std::string::npos || std::filesystem::path(path).is_absolute();
+  const bool keep = path.empty() || path.starts_with(kBuiltinPrefix) || path.starts_with("${") ||
+                    std::filesystem::path(path).is_absolute();
   return keep ? path : std::filesystem::absolute(spec.file.parent_path() / path).lexically_normal().string();
 }
 

@@ -11,32 +11,33 @@ namespace {
 
 using nlohmann::json;
 
-// The steps' sum at every pixel against the whole difference.
-double largest_gap(const std::vector<LadderRung>& rungs, const Image& mask) {
+double largest_gap(const Image& first, const Image& last, const std::list<LadderStep>& steps,
+                   const Image& mask) {
   double gap = 0.0;
-  const std::size_t channels = 3;
-  for (std::size_t i = 0; i < mask.data().size(); ++i) {
-    if (mask.data()[i] == 0.0F) continue;
-    for (std::size_t c = 0; c < channels; ++c) {
-      const auto at = [&](std::size_t r) {
-        return static_cast<double>(rungs[r].exitance->data()[channels * i + c]);
-      };
-      double sum = 0.0;
-      for (std::size_t r = 1; r < rungs.size(); ++r) sum += at(r) - at(r - 1);
-      gap = std::max(gap, std::abs(sum - (at(rungs.size() - 1) - at(0))));
-    }
+  constexpr std::size_t kChannels = 3;
+  for (std::size_t i = 0; i < kChannels * mask.data().size(); ++i) {
+    if (mask.data()[i / kChannels] == 0.0F) continue;
+    double sum = 0.0;
+    for (const LadderStep& step : steps) sum += step.error.data()[i];
+    const double whole = static_cast<double>(last.data()[i]) - static_cast<double>(first.data()[i]);
+    gap = std::max(gap, std::abs(sum - whole));
   }
   return gap;
 }
 
 }  // namespace
 
-Image ladder_step(const LadderRung& rung, const LadderRung& above, const Image& mask) {
-  return signed_error(*rung.exitance, *above.exitance, mask);
+std::list<LadderStep> ladder_steps(const std::vector<LadderRung>& rungs, const Image& mask) {
+  std::list<LadderStep> steps;
+  for (std::size_t r = 1; r < rungs.size(); ++r)
+    steps.push_back({rungs[r].name, signed_error(*rungs[r].exitance, *rungs[r - 1].exitance, mask)});
+  return steps;
 }
 
-json ladder_json(const std::vector<LadderRung>& rungs, const MetricInputs& inputs) {
-  assert(rungs.size() >= 2 && &inputs.truth == rungs.front().exitance);
+json ladder_json(const std::vector<LadderRung>& rungs, const std::list<LadderStep>& steps,
+                 const MetricInputs& inputs) {
+  assert(rungs.size() >= 2 && steps.size() + 1 == rungs.size());
+  assert(&inputs.truth == rungs.front().exitance);
   json list = json::array();
   double sum_of_biases = 0.0;
   for (std::size_t r = 0; r < rungs.size(); ++r) {
@@ -49,11 +50,12 @@ json ladder_json(const std::vector<LadderRung>& rungs, const MetricInputs& input
     }
     list.push_back(rung);
   }
-  return {{"rungs", list},
-          {"telescopes",
-           {{"sum_of_step_biases", sum_of_biases},
-            {"bias_so_far", list.back()["so_far"]["bias"]},
-            {"largest_gap", largest_gap(rungs, inputs.mask)}}}};
+  return {
+      {"rungs", list},
+      {"telescopes",
+       {{"sum_of_step_biases", sum_of_biases},
+        {"bias_so_far", list.back()["so_far"]["bias"]},
+        {"largest_gap", largest_gap(*rungs.front().exitance, *rungs.back().exitance, steps, inputs.mask)}}}};
 }
 
 }  // namespace truescatter

@@ -142,9 +142,15 @@ class Model {
     double bytes = 0.0;
     for (const auto* path : {&spec_.scene.albedo, &spec_.scene.normal_map, &spec_.scene.skin_mask,
                              &spec_.scene.transmitter_mask}) {
-      if (!path->empty()) bytes += kFloat * image_values(expanded_path(spec_, *path, {}));
+      bytes += image_bytes(*path);
     }
+    for (const LightSpec& light : spec_.lights) bytes += image_bytes(light.map);
     return bytes;
+  }
+
+  double image_bytes(const std::string& path) const {
+    if (path.empty() || path.starts_with(kBuiltinPrefix)) return 0.0;
+    return kFloat * image_values(expanded_path(spec_, path, {}));
   }
 
   double mesh_bytes() const {

@@ -153,7 +153,7 @@ void remove_temporaries(const fs::path& folder) {
   }
 }
 
-// Of a whole result, the pieces are gone already.
+// One that can be put in its place; with pieces it is what a run goes on from.
 bool is_whole_result(const fs::path& folder) { return has_results(folder) && !has_pieces(folder); }
 
 // Puts a whole result in its place, if nothing is there, and removes what is of no use. Returns whether
@@ -224,6 +224,15 @@ void check_destination(const fs::path& destination) {
   }
 }
 
+void discard_leftovers(const fs::path& destination) {
+  for (const Leftover& left : leftovers_of(resolved(destination))) {
+    std::error_code failure;
+    if (!foreign_entry(left.folder)) fs::remove_all(left.folder, failure);
+    if (failure) note(left.folder, "left by a run that was cut off; cannot be removed: " + failure.message());
+    close(left.lock);
+  }
+}
+
 ResultFolder::ResultFolder(const fs::path& destination, bool resume)
     : target_(resolved(destination)), working_(beside(target_, "part")) {
   check_destination(destination);
@@ -245,10 +254,14 @@ ResultFolder::ResultFolder(const fs::path& destination, bool resume)
   const bool made = fs::create_directory(working_, failure);
   if (made) lock_ = lock_folder(working_);
   if (lock_ >= 0) return;
+  std::error_code ignored;
+  if (made) fs::remove(working_, ignored);
   for (auto parent = made_parents_.rbegin(); parent != made_parents_.rend(); ++parent)
-    fs::remove(*parent, failure);
-  throw_run_error("{}: cannot make a folder beside it for the results: {}", destination.string(),
-                  failure ? failure.message() : working_.string() + " is in the way");
+    fs::remove(*parent, ignored);
+  const std::string reason = failure ? failure.message()
+                             : made  ? "it cannot be locked"
+                                     : working_.string() + " is in the way";
+  throw_run_error("{}: cannot make a folder beside it for the results: {}", destination.string(), reason);
 }
 
 // The lock belongs to the folder under any name.
@@ -282,8 +295,13 @@ ResultFolder::~ResultFolder() {
 }
 
 void ResultFolder::publish() {
-  remove_pieces(working_);
   exchange();
+  // Now, not before: what cannot be put in its place can be resumed.
+  try {
+    remove_pieces(target_);
+  } catch (const Error& error) {
+    note(target_, error.what());
+  }
   for (const Leftover& left : leftovers_of(target_)) {
     std::error_code failure;
     if (clear_leftover(left.folder, target_)) fs::remove_all(left.folder, failure);

@@ -10,6 +10,10 @@ namespace truescatter {
 // does not write. Writes nothing.
 void check_destination(const std::filesystem::path& destination);
 
+// Removes what runs into `destination` that were cut off have left beside it: of results that nobody will go
+// on from.
+void discard_leftovers(const std::filesystem::path& destination);
+
 // A result folder that appears whole or not at all. All files are written to a temporary folder beside it,
 // `.<name>.<process>.part`, which `publish` puts in its place; until then an earlier result stays as it is,
 // and an object that goes without `publish` or `keep` takes the temporary folder with it. The temporary
@@ -31,8 +35,8 @@ class ResultFolder {
   const std::filesystem::path& working() const { return working_; }
   // Leaves the temporary folder where it is if this is not published.
   void keep() { kept_ = true; }
-  // Removes the pieces, puts the folder in its place and removes what runs that were cut off have left, and
-  // the earlier result (keeps it beside, with a note, if somebody has put other files there since the run
+  // Puts the folder in its place and removes its pieces, what runs that were cut off have left, and the
+  // earlier result (keeps it beside, with a note, if somebody has put other files there since the run
   // began). Throws Error (run) if that fails; the earlier result is
   // in its place then.
   void publish();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,8 +69,9 @@ Profile unblurred(const Profile& profile, const std::vector<GaussianLevel>& leve
 
 // A scene lit, on the GPU, with its truths.
 struct LitScene {
-  LitScene(const ExperimentSpec& spec, const gpu::Context& context)
-      : scene(prepare_scene(spec)), buffers(context, scene.shading, scene.lights) {}
+  LitScene(const ExperimentSpec& spec, const gpu::Context& context,
+           const std::function<void(const Mesh&)>& admit)
+      : scene(prepare_scene(spec, admit)), buffers(context, scene.shading, scene.lights) {}
 
   PreparedScene scene;
   SurfaceBuffers buffers;
@@ -238,9 +240,14 @@ std::vector<ViewSpec> largest_views(const std::vector<ViewSpec>& views) {
 json scene_needs(const ExperimentSpec& spec, const NeedOptions& options) {
   const Plan plan = make_plan(spec, true);
   const gpu::Context context(options.gl);
-  const LitScene lit(spec, context);
+  ExperimentSpec drawn = spec;
+  for (ViewSpec& view : drawn.views) view = small_view(view, options.frame_px);
+  const auto admit = [&](const Mesh& mesh) {
+    refuse_beyond_memory(drawn, plan, size_of(mesh), options.memory_limit_bytes);
+  };
+  const LitScene lit(spec, context, admit);
   std::optional<LitScene> dark;
-  if (has_shadows(spec)) dark.emplace(without_shadows(spec), context);
+  if (has_shadows(spec)) dark.emplace(without_shadows(spec), context, admit);
   const SceneTruths truths(lit.scene, spec.truth, true, options.cache);
   json all = json::array();
   const std::vector<Profile> profiles = fullest_profiles(plan);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/experiment_spec.h"
+#include "experiment/memory_estimate.h"
 #include "gpu/context.h"
 #include "truth/cache.h"
 
@@ -15,6 +16,7 @@ struct NeedOptions {
   int frame_px = 96;              // longer side of the frames that are drawn for it
   std::size_t light_paths = 512;  // pixels at which light is split by its way
   TruthCache* cache = nullptr;
+  std::uint64_t memory_limit_bytes = default_memory_limit();
 };
 
 // What each part of the model is worth in each view under each profile of an experiment (of several sizes of

@@ -539,14 +539,12 @@ class ViewRunner {
     const Image& first = *rungs.all.front().exitance;
     const FlipReference flip(exposed(first, setup_.exposure()));
     const HdrFlipReference flip_hdr(first, rungs.mask, known_light());
-    result.update(ladder_json(rungs.all, {first, rungs.mask, contours_, profile.widest_std_dev_mm(),
-                                          mm_per_px(), flip, setup_.exposure(), flip_hdr}));
-    std::list<LadderStep> steps;
-    for (std::size_t r = 1; r < rungs.all.size(); ++r) {
-      const LadderRung& rung = rungs.all[r];
-      steps.push_back({rung.name, ladder_step(rung, rungs.all[r - 1], rungs.mask)});
-      result["rungs"][r]["files"] = {{"signed", "maps/" + step_file(piece.stem(), rung.name)}};
-    }
+    const std::list<LadderStep> steps = ladder_steps(rungs.all, rungs.mask);
+    result.update(ladder_json(rungs.all, steps,
+                              {first, rungs.mask, contours_, profile.widest_std_dev_mm(), mm_per_px(), flip,
+                               setup_.exposure(), flip_hdr}));
+    for (std::size_t r = 1; r < rungs.all.size(); ++r)
+      result["rungs"][r]["files"] = {{"signed", "maps/" + step_file(piece.stem(), rungs.all[r].name)}};
     const std::string file = piece.stem() + ".exr";
     write_ladder_maps(setup_.pieces.maps() / file, images_.mask, steps, setup_.origin);
     result["files"] = {{"exr", "maps/" + file}};

@@ -74,11 +74,17 @@ std::vector<Certificate> ViewTruth::audit_kind(LayerKind kind, const std::vector
   const Progress progress(fmt::format("audit of the {} at {} points", name_of(kind), sample_.points.size()),
                           1);
   const TruthValues exact = source.audit_values(sample_.points, layers);
-  const AuditTerms terms{tolerance_, source.tail_bound(), source.largest_irradiance(), sample_.random_count};
+  AuditTerms terms;
+  terms.tolerance = tolerance_;
+  terms.tail_bound = source.tail_bound();
+  terms.largest_irradiance = source.largest_irradiance();
+  terms.random_count = sample_.random_count;
   std::vector<Certificate> certificates;
-  for (std::size_t l = 0; l < layers.size(); ++l)
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    terms.plane_mass = plane_mass(layers[l]);
     certificates.push_back(
         audit(layers_[index_of(kind, layers[l])].computed.values, exact[l], sample_.points, terms));
+  }
   return certificates;
 }
 
@@ -233,7 +239,8 @@ TruthImage ViewTruth::image(const Request& request) const {
       if (divisor > 0.0) sum[i] += level.weight.cwiseProduct(value.head<3>()) / divisor;
       mass[i] = std::min(mass[i], value[3] / whole);
     }
-    tally.add(result, level.weight);
+    // Divided by a mass below 1, what the layer is known to grows.
+    tally.add(result, request.target.normalised ? Vec3d(level.weight / whole) : level.weight);
   }
   truth.certificate = tally.certificate;
   truth.seconds = tally.seconds;

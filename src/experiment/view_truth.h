@@ -17,10 +17,7 @@
 
 namespace truescatter {
 
-// As a share of a plane's: pixels with less mass are counted apart.
-inline constexpr double kSmallMass = 0.5;
-
-// Those of the pixels that are measured: where the smallest mass (TruthImage) is not small.
+// Those of the pixels that are measured: where the smallest mass (TruthImage) is at least kSmallMass.
 Image measured_mask(Image mask, const Image& smallest_mass);
 
 // The layer's mass on a plane.

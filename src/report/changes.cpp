@@ -104,8 +104,17 @@ struct NamedRun {
   json own_uncertainty;
 };
 
-json uncertainty_of(const json& results, const json& id) {
-  const json largest = at_pointer(results, "/scene/largest_irradiance");
+// The largest irradiance of a run's scene: a sweep has one for each value.
+json largest_irradiance(const json& results, const json& run) {
+  const json index = at_pointer(run, "/sweep/index");
+  if (!index.is_number_unsigned()) return at_pointer(results, "/scene/largest_irradiance");
+  const std::string point =
+      fmt::format("/sweep/points/{}/scene/largest_irradiance", index.get<std::size_t>());
+  return at_pointer(results, point.c_str());
+}
+
+json uncertainty_of(const json& results, const json& run, const json& id) {
+  const json largest = largest_irradiance(results, run);
   if (!largest.is_number() || !id.is_string()) return {};
   for (const json& truth : results.value("truths", json::array())) {
     if (truth.value("id", json()) != id || !truth.value("uncertainty", json()).is_number()) continue;
@@ -118,8 +127,8 @@ std::map<RunName, NamedRun> runs_by_name(const json& results, const fs::path& fo
   std::map<RunName, NamedRun> runs;
   for (const json& run : results.at("runs")) {
     const RunName name = name_of(run);
-    if (!runs.emplace(name, NamedRun{run, uncertainty_of(results, at_pointer(run, "/truth")),
-                                     uncertainty_of(results, at_pointer(run, "/own_target/truth"))})
+    if (!runs.emplace(name, NamedRun{run, uncertainty_of(results, run, at_pointer(run, "/truth")),
+                                     uncertainty_of(results, run, at_pointer(run, "/own_target/truth"))})
              .second) {
       throw_input_error({(folder / "results.json").string()}, "two runs have the name {}",
                         fmt::join(name, " / "));

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -238,13 +239,17 @@ class PlyReader {
  public:
   PlyReader(const std::filesystem::path& path, std::string_view text)
       : lines_(path.string(), text), header_(read_ply_header(lines_)), values_(lines_, header_.format) {
+    std::set<std::string_view> seen;
     for (const PlyElement& element : header_.elements) {
+      if (!seen.insert(element.name).second)
+        throw_input_error({path.string()}, "the header has the element \"{}\" twice", element.name);
       if (element.name == "vertex") inspect_vertex_element(element);
     }
   }
 
   Soup read() {
     for (const PlyElement& element : header_.elements) {
+      if (element.properties.empty()) continue;  // nothing is there to read, however many there are
       for (int i = 0; i < element.count; ++i) read_entry(element, i);
     }
     soup_.uvs.insert(soup_.uvs.end(), wedge_uvs_.begin(), wedge_uvs_.end());

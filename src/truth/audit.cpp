@@ -8,16 +8,14 @@
 namespace truescatter {
 namespace {
 
-constexpr double kSmallMass = 0.5;
-
-double difference(const Vec4d& fast, const Vec4d& exact, double largest_irradiance) {
+double difference(const Vec4d& fast, const Vec4d& exact, const AuditTerms& terms) {
   // A maximum would pass over what is not a number.
   if (!fast.allFinite() || !exact.allFinite()) return std::numeric_limits<double>::infinity();
-  double worst = (fast - exact).head<3>().cwiseAbs().maxCoeff() / largest_irradiance;
+  double worst = (fast - exact).head<3>().cwiseAbs().maxCoeff() / terms.largest_irradiance;
   worst = std::max(worst, std::abs(fast[3] - exact[3]));
-  if (exact[3] >= kSmallMass && fast[3] > 0.0) {
+  if (exact[3] >= kSmallMass * terms.plane_mass && fast[3] > 0.0) {
     const Vec3d normalised = fast.head<3>() / fast[3] - exact.head<3>() / exact[3];
-    worst = std::max(worst, normalised.cwiseAbs().maxCoeff() / largest_irradiance);
+    worst = std::max(worst, terms.plane_mass * normalised.cwiseAbs().maxCoeff() / terms.largest_irradiance);
   }
   return worst;
 }
@@ -36,8 +34,7 @@ Certificate audit(std::span<const Vec4d> values, std::span<const Vec4d> exact,
   certificate.tolerance = terms.tolerance;
   certificate.tail_bound = terms.tail_bound;
   for (std::size_t i = 0; i < audited.size(); ++i) {
-    certificate.max_error =
-        std::max(certificate.max_error, difference(values[audited[i]], exact[i], terms.largest_irradiance));
+    certificate.max_error = std::max(certificate.max_error, difference(values[audited[i]], exact[i], terms));
   }
   // If a share q of the points were worse, n random points would all miss it with probability (1 - q)^n.
   if (terms.random_count > 0) {

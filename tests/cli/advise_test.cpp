@@ -112,6 +112,8 @@ TEST_F(CliAdviseErrors, NameTheOption) {
                  {"--metric", "there are: rmse, halo-peak, p99"});
   expect_refused(truescatter({"advise", "e.toml", "--budget", "many"}), {"--budget", "many"});
   expect_refused(truescatter({"advise", "nothing.toml"}), {"nothing.toml"});
+  folder_.write("s.toml", kTiny + "[sweep]\nkey = \"scene.parameters.edge_mm\"\nvalues = [5.0, 4.0]\n");
+  expect_refused(truescatter({"advise", "s.toml"}), {"s.toml:", "'sweep'"});
 }
 
 }  // namespace

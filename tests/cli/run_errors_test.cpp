@@ -115,6 +115,11 @@ TEST_F(CliErrors, TrianglesBeyondTheMemoryLimit) {
   }
 }
 
+TEST_F(CliErrors, AdviceBeyondTheMemoryLimit) {
+  folder_.write("e.toml", with(kTiny, "edge_mm = 5.0", "edge_mm = 0.1"));
+  expect_refused(truescatter({"advise", "e.toml", "--memory-limit", "0.3"}), {"--memory-limit is 307 MiB"});
+}
+
 TEST_F(CliErrors, MemoryLimitsThatAreNone) {
   for (const char* limit : {"0", "-1", "all", "nan"})
     expect_refused(run(kTiny, {"--memory-limit", limit}), {"--memory-limit"});
