@@ -118,8 +118,8 @@ void check_size(const std::filesystem::path& path, const OIIO::ImageSpec& spec) 
 
 Image read_with_spec(const std::filesystem::path& path, OIIO::ImageSpec& spec) {
   if (!std::filesystem::exists(path)) throw_input_error({path.string()}, "no such file");
-  if (const std::string oversized = oversized_exr_attribute(path); !oversized.empty())
-    throw_input_error({path.string()}, "cannot read this image: {}", oversized);
+  if (const std::string wrong = wrong_exr_attribute(path); !wrong.empty())
+    throw_input_error({path.string()}, "cannot read this image: {}", wrong);
   OIIO::ImageSpec as_stored;
   as_stored.attribute(kUnassociatedAlpha, 1);
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &as_stored);
@@ -158,7 +158,7 @@ Image read_image(const std::filesystem::path& path, std::vector<std::string>* ch
 }
 
 double image_values(const std::filesystem::path& path) {
-  if (!oversized_exr_attribute(path).empty()) return 0.0;
+  if (!wrong_exr_attribute(path).empty()) return 0.0;
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string());
   if (!input) {
     OIIO::geterror();  // is kept for whoever asks next, else

@@ -211,6 +211,26 @@ TEST(ReadImage, AsksForNoLongerAttributeThanAFileHolds) {
   EXPECT_EQ(image_values(folder.path() / "b.exr"), 0.0);
 }
 
+// OpenEXR reads these values by their types: what a wrong length makes of the rest of the header is not
+// looked at.
+TEST(ReadImage, TakesAttributesOfTheirTypesLengthsAlone) {
+  const test::TempDir folder;
+  const Image image(5, 3, 3, 0.5F);
+  write_exr(folder.path() / "a.exr", {{"", &image}});
+  const std::string whole = read_text_file(folder.path() / "a.exr");
+  for (const std::string& before :
+       {std::string("channels\0chlist\0", 16), std::string("dataWindow\0box2i\0", 17)}) {
+    std::string bytes = whole;
+    const std::size_t size = bytes.find(before);
+    ASSERT_NE(size, std::string::npos);
+    bytes[size + before.size()] = static_cast<char>(bytes[size + before.size()] + 1);
+    const auto error = test::error_of([&] { read_image(folder.write("b.exr", bytes)); });
+    ASSERT_TRUE(error.has_value());
+    EXPECT_NE(std::string(error->what()).find("which is not what its type "), std::string::npos)
+        << error->what();
+  }
+}
+
 TEST(ReadImage, ErrorsBeginWithTheFile) {
   const TempDir folder;
   expect_unreadable(folder.path() / "none.png");
