@@ -1,6 +1,6 @@
 # One library per folder of src/. A module sees another module's headers only if it names it under
 # UPSTREAM: each module exports an include folder that holds a link to itself and nothing else, so
-# an include against the data flow (DESIGN: layout) does not compile.
+# an include against the data flow (README, The code) does not compile.
 
 add_library(truescatter_options INTERFACE)
 target_compile_options(truescatter_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow
@@ -31,6 +31,33 @@ endif()
 # For code in which a run spends no time: compiling it takes 40 % less.
 set(truescatter_unhurried $<$<CONFIG:Release>:-O1>)
 
+# truescatter_headers(<name> <options> <headers>) makes headers that targets of the same options share, by
+# truescatter_precompiled(<target> <name>): reading Eigen, {fmt}, JSON and GoogleTest takes as long as compiling what is
+# ours. Only where TRUESCATTER_PRECOMPILE asks for it: other presets show a missing include.
+function(truescatter_headers name options)
+  if(NOT TRUESCATTER_PRECOMPILE)
+    return()
+  endif()
+  set(empty ${CMAKE_CURRENT_BINARY_DIR}/headers_${name}.cpp)
+  file(CONFIGURE OUTPUT ${empty} CONTENT "" @ONLY)
+  add_library(truescatter_headers_${name} OBJECT ${empty})
+  set_target_properties(truescatter_headers_${name} PROPERTIES UNITY_BUILD OFF)
+  target_compile_options(truescatter_headers_${name} PRIVATE ${options})
+  target_link_libraries(truescatter_headers_${name} PRIVATE truescatter_options Eigen3::Eigen fmt::fmt
+                        nlohmann_json::nlohmann_json $<$<STREQUAL:${name},tests>:GTest::gtest>
+                        $<$<STREQUAL:${name},numeric_tests>:GTest::gtest>)
+  target_precompile_headers(truescatter_headers_${name} PRIVATE ${ARGN})
+endfunction()
+
+function(truescatter_precompiled target name)
+  if(TRUESCATTER_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM truescatter_headers_${name})
+  endif()
+endfunction()
+
+set(truescatter_large_headers <Eigen/Dense> <algorithm> <array> <cmath> <filesystem> <fmt/format.h> <functional> <map>
+    <memory> <nlohmann/json.hpp> <optional> <string> <vector>)
+
 # truescatter_module(<name> [UNHURRIED] SOURCES <files> [APART <files>] [UPSTREAM <modules>] [LIBRARIES <targets>]
 #                    [PRIVATE_LIBRARIES <targets>])
 # SOURCES are compiled several at a time where the preset asks for it (CMAKE_UNITY_BUILD), which takes a quarter of the
@@ -46,6 +73,9 @@ function(truescatter_module name)
   target_include_directories(truescatter_${name} PUBLIC ${include_root})
   if(ARG_UNHURRIED)
     target_compile_options(truescatter_${name} PRIVATE ${truescatter_unhurried})
+    truescatter_precompiled(truescatter_${name} unhurried)
+  else()
+    truescatter_precompiled(truescatter_${name} modules)
   endif()
   list(TRANSFORM ARG_UPSTREAM PREPEND truescatter_)
   target_link_libraries(truescatter_${name} PUBLIC ${ARG_UPSTREAM} ${ARG_LIBRARIES}

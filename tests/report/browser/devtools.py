@@ -24,26 +24,14 @@ def page_without_plotly(path):
     return re.sub(r'<script id="plotly">.*?</script>', "", path.read_text(), flags=re.DOTALL)
 
 
-class Page:
-    """One tab of a headless browser whose every name lookup fails. Use with `with`."""
+class Browser:
+    """A headless browser whose every name lookup fails, for as many pages as are wanted. Use with `with`."""
 
-    def __init__(self, browser, url, width=1280, height=900):
+    def __init__(self, program):
         self._last_id = 0
         self._buffer = b""
+        self._pages = {}  # by session
         self._profile = tempfile.TemporaryDirectory(prefix="truescatter_browser_", ignore_cleanup_errors=True)
-        self.complaints = []  # exceptions, and errors of the console and of loading
-        self._start(browser, width, height)
-        target = self._call("Target.createTarget", {"url": "about:blank"})["targetId"]
-        attached = self._call("Target.attachToTarget", {"targetId": target, "flatten": True})
-        self._session = attached["sessionId"]
-        for domain in ("Runtime", "Log", "Page"):
-            self.call(domain + ".enable")
-        self.call("Emulation.setDeviceMetricsOverride",
-                  {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
-        self.call("Page.navigate", {"url": url})
-        self.wait_for("location.href !== 'about:blank' && document.readyState === 'complete'")
-
-    def _start(self, browser, width, height):
         # The browser reads commands from descriptor 3 and answers on 4. Ours are moved out of the way first.
         ends = [fcntl.fcntl(fd, fcntl.F_DUPFD_CLOEXEC, 10) for fd in os.pipe() + os.pipe()]
         commands_out, self._commands, self._answers, answers_in = ends
@@ -53,10 +41,10 @@ class Page:
             os.dup2(answers_in, 4)
 
         self._process = subprocess.Popen(
-            [browser, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync",
+            [program, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync",
              "--disable-background-networking", "--disable-component-update", "--hide-scrollbars",
              "--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={self._profile.name}",
-             f"--window-size={width},{height}", "--remote-debugging-pipe"],
+             "--remote-debugging-pipe"],
             pass_fds=(3, 4), preexec_fn=hand_over, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(commands_out)
         os.close(answers_in)
@@ -66,7 +54,7 @@ class Page:
 
     def __exit__(self, *_):
         try:
-            self._call("Browser.close")
+            self.call("Browser.close")
             self._process.wait(10)
         except (subprocess.TimeoutExpired, RuntimeError, OSError):
             self._process.kill()
@@ -87,18 +75,7 @@ class Page:
         message, self._buffer = self._buffer.split(b"\0", 1)
         return json.loads(message)
 
-    def _note(self, event):
-        params = event.get("params", {})
-        kind = event.get("method")
-        if kind == "Runtime.exceptionThrown":
-            details = params["exceptionDetails"]
-            self.complaints.append(details.get("exception", {}).get("description", details["text"]))
-        elif kind == "Runtime.consoleAPICalled" and params["type"] in ("error", "assert"):
-            self.complaints.append(str(params["args"]))
-        elif kind == "Log.entryAdded" and params["entry"]["level"] == "error":
-            self.complaints.append(params["entry"]["text"])
-
-    def _call(self, method, params=None, session=None):
+    def call(self, method, params=None, session=None):
         self._last_id += 1
         message = {"id": self._last_id, "method": method, "params": params or {}}
         if session:
@@ -109,14 +86,63 @@ class Page:
         while True:
             answer = self._receive()
             if answer.get("id") != self._last_id:
-                self._note(answer)
+                if answer.get("sessionId") in self._pages:
+                    self._pages[answer["sessionId"]].note(answer)
             elif "error" in answer:
                 raise RuntimeError(f"{method}: {answer['error']}")
             else:
                 return answer["result"]
 
+    def attach(self, page):
+        """A tab for a page, with storage of its own: (storage, session)."""
+        storage = self.call("Target.createBrowserContext")["browserContextId"]
+        target = self.call("Target.createTarget", {"url": "about:blank", "browserContextId": storage})["targetId"]
+        session = self.call("Target.attachToTarget", {"targetId": target, "flatten": True})["sessionId"]
+        self._pages[session] = page
+        return storage, session
+
+    def detach(self, storage, session):
+        del self._pages[session]
+        self.call("Target.disposeBrowserContext", {"browserContextId": storage})
+
+
+class Page:
+    """One tab of a browser, or of one of its own where a program is given. Use with `with`."""
+
+    def __init__(self, browser, url, width=1280, height=900):
+        self._own = None if isinstance(browser, Browser) else Browser(browser)
+        self._browser = self._own or browser
+        self.complaints = []  # exceptions, and errors of the console and of loading
+        self._storage, self._session = self._browser.attach(self)
+        for domain in ("Runtime", "Log", "Page"):
+            self.call(domain + ".enable")
+        self.call("Emulation.setDeviceMetricsOverride",
+                  {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+        self.call("Page.navigate", {"url": url})
+        self.wait_for("location.href !== 'about:blank' && document.readyState === 'complete'")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._browser.detach(self._storage, self._session)
+        if self._own:
+            self._own.__exit__()
+
+    def note(self, event):
+        """Keeps what the browser says of the page without being asked, if it is a complaint."""
+        params = event.get("params", {})
+        kind = event.get("method")
+        if kind == "Runtime.exceptionThrown":
+            details = params["exceptionDetails"]
+            self.complaints.append(details.get("exception", {}).get("description", details["text"]))
+        elif kind == "Runtime.consoleAPICalled" and params["type"] in ("error", "assert"):
+            self.complaints.append(str(params["args"]))
+        elif kind == "Log.entryAdded" and params["entry"]["level"] == "error":
+            self.complaints.append(params["entry"]["text"])
+
     def call(self, method, params=None):
-        return self._call(method, params, self._session)
+        return self._browser.call(method, params, self._session)
 
     def evaluate(self, expression):
         """The value of a JavaScript expression in the page; a promise's once it is there."""

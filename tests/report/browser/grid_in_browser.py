@@ -11,15 +11,23 @@ import sys
 import tempfile
 import unittest
 
-from devtools import Page, find_browser, page_without_plotly
+from devtools import Browser, Page, find_browser, page_without_plotly
 
 FOLDER = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else None
+
+
+BROWSER = None  # of all tests: starting one takes longer than most of them
+
+
+def setUpModule():
+    global BROWSER
+    BROWSER = unittest.enterModuleContext(Browser(find_browser()))
 
 
 class GridInBrowser(unittest.TestCase):
     def setUp(self):
         self.results = json.loads((FOLDER / "results.json").read_text())
-        self.page = self.enterContext(Page(find_browser(), (FOLDER / "report.html").as_uri()))
+        self.page = self.enterContext(Page(BROWSER, (FOLDER / "report.html").as_uri()))
         self.page.wait_for("document.documentElement.dataset.values")
 
     def tearDown(self):
@@ -105,7 +113,7 @@ class GridInBrowser(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "report.html")
             path.write_text(page_without_plotly(FOLDER / "report.html"))
-            with Page(find_browser(), path.as_uri()) as page:
+            with Page(BROWSER, path.as_uri()) as page:
                 page.wait_for("document.documentElement.dataset.values")
                 for axis in ("time", "fetches", "bytes"):
                     self.assertEqual(page.evaluate(f"document.querySelectorAll('svg[data-axis={axis}] .marker').length"), paid)
