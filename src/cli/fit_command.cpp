@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -16,6 +15,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/parse_number.h"
+#include "core/stopwatch.h"
 #include "experiment/fit_file.h"
 #include "experiment/fit_text.h"
 #include "experiment/provenance.h"
@@ -232,10 +232,10 @@ int fit(const FitArguments& arguments) {
   const DiffusionProfile profile = make_diffusion_profile(
       profile_of(arguments),
       [](const std::string& path, const SourceLocation&) { return std::filesystem::path(path); });
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const GaussianFit found = scores ? score(profile, gaussians_named(arguments.score), asked.keep_albedo)
                                    : fit_profile(profile, asked);
-  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  const double took_ms = watch.milliseconds();
 
   nlohmann::json fitted = fit_json(profile, asked, found);
   fitted["provenance"] = file_provenance(input_files(arguments));
@@ -246,7 +246,7 @@ int fit(const FitArguments& arguments) {
                            {arguments.svg, arguments.svg.empty() ? "" : fit_plot_svg(json)}};
   write_together(files);
   fmt::print("{}", fit_table(profile, asked, found));
-  fmt::print("{} in {:.0f} ms\n", scores ? "scored" : "fitted", took.count());
+  fmt::print("{} in {:.0f} ms\n", scores ? "scored" : "fitted", took_ms);
   for (const auto& [path, text] : files)
     if (!path.empty()) fmt::print("{}\n", path.string());
   return 0;

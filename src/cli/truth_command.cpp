@@ -246,6 +246,8 @@ int truth(const TruthArguments& arguments) {
   set_layers(arguments, request);
   request.tolerance = tolerance_of_each(request);
   check_out(arguments.out);
+  if (request.engine == Engine::exact && !arguments.tolerance.empty())
+    fmt::print(stderr, "note: --tolerance changes nothing of the exact engine, which keeps to rounding\n");
   const TruthProblem problem =
       read_truth_problem({arguments.mesh, arguments.irradiance, arguments.points, arguments.mask});
   const TruthValues values = compute(problem, request, {arguments.mesh.string()});

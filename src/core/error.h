@@ -8,7 +8,7 @@
 
 namespace truescatter {
 
-// What an error means to the caller of the program; the value is the exit code (DESIGN section 4).
+// What an error means to the caller of the program; the value is the exit code (README, Commands).
 enum class ErrorKind {
   input = 2,  // wrong usage or input: the user can mend it
   run = 3,    // the run failed: an audit, a driver, a full disk

@@ -9,11 +9,7 @@
 namespace truescatter {
 
 Progress::Progress(std::string name, std::size_t total)
-    : name_(std::move(name)),
-      total_(total),
-      start_(std::chrono::steady_clock::now()),
-      last_print_(start_),
-      terminal_(isatty(STDERR_FILENO) == 1) {
+    : name_(std::move(name)), total_(total), terminal_(isatty(STDERR_FILENO) == 1) {
   if (!terminal_) fmt::print(stderr, "{} ...\n", name_);
 }
 
@@ -21,17 +17,15 @@ Progress::~Progress() {
   fmt::print(stderr, "{}{}: {:.1f} s\n", terminal_ ? "\r\x1b[K" : "", name_, elapsed_seconds());
 }
 
-double Progress::elapsed_seconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-}
+double Progress::elapsed_seconds() const { return watch_.seconds(); }
 
 void Progress::advance(std::size_t steps) {
   done_ += steps;
   if (!terminal_) return;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto now = std::chrono::steady_clock::now();
-  if (now - last_print_ < std::chrono::milliseconds(100)) return;
-  last_print_ = now;
+  const double now = watch_.seconds();
+  if (now - last_print_seconds_ < 0.1) return;
+  last_print_seconds_ = now;
   print_line();
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cstddef>
 #include <mutex>
 #include <string>
+
+#include "core/stopwatch.h"
 
 namespace truescatter {
 
@@ -28,8 +29,8 @@ class Progress {
   std::string name_;
   std::size_t total_;
   std::atomic<std::size_t> done_{0};
-  std::chrono::steady_clock::time_point start_;
-  std::chrono::steady_clock::time_point last_print_;
+  Stopwatch watch_;
+  double last_print_seconds_ = 0.0;
   std::mutex mutex_;
   bool terminal_;
 };

@@ -1,10 +1,10 @@
 #include "experiment/layer_source.h"
 
 #include <cassert>
-#include <chrono>
 #include <utility>
 
 #include "core/content_hash.h"
+#include "core/stopwatch.h"
 #include "truth/audit.h"
 #include "truth/exact.h"
 #include "truth/fast.h"
@@ -24,16 +24,6 @@ void append_engine(ContentHash& hash, const std::string& name, int version, doub
   hash.append(std::string(TRUESCATTER_COMPILER " " TRUESCATTER_BUILD_TYPE " " TRUESCATTER_ARCH));
   hash.append(tolerance);
 }
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 template <typename Point>
 std::vector<Point> chosen_of(const std::vector<Point>& points, std::span<const std::uint32_t> chosen) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -15,6 +14,7 @@
 
 #include "core/error.h"
 #include "core/progress.h"
+#include "core/stopwatch.h"
 #include "truth/geodesic_exact.h"
 #include "truth/geodesic_fast.h"
 #include "truth/light_paths.h"
@@ -36,10 +36,6 @@ constexpr double kEngineTolerance = 1e-4;
 constexpr double kPartsTolerance = 1e-3;
 constexpr int kMostHalvings = 4;
 constexpr std::size_t kAuditedPoints = 32;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 std::vector<std::uint32_t> draw(std::size_t population, std::size_t wanted, std::uint64_t seed) {
   std::vector<std::uint32_t> all(population);
@@ -109,13 +105,13 @@ LightPathSample::LightPathSample(const LightPathInputs& inputs)
       levels_(gaussian_levels(inputs.profile)),
       chosen_(draw(inputs.view.points().size(), inputs.points, inputs.seed)) {
   assert(inputs.truths.geodesic() != nullptr);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   for (const std::uint32_t i : chosen_) targets_.push_back(inputs.view.points().on_mesh[i]);
   const Progress progress(fmt::format("light by its way at {} points", chosen_.size()), 1);
   fine_ = split(targets_, kEdgeStdDevs);
   coarse_ = split(targets_, 2.0 * kEdgeStdDevs);
   refine();
-  seconds_ = seconds_since(start);
+  seconds_ = watch.seconds();
 }
 
 // Where halving the quadrature's parts changed light that a truth may take from them by more than a third of
@@ -245,7 +241,7 @@ json LightPathSample::parts(const std::string& view, double tolerance) const {
 
 TruthImage LightPathSample::truth(const OwnTarget& target) const {
   assert(target.transmittance && target.r_max_mm.value_or(inputs_.r_max_mm) == inputs_.r_max_mm);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const double cut_mm = target.r_max_mm.value_or(std::numeric_limits<double>::infinity());
   const TruthValues along = along_surface(cut_mm);
   const auto local = [&](const Split& split, std::size_t l, std::size_t i) -> Vec4d {
@@ -286,7 +282,7 @@ TruthImage LightPathSample::truth(const OwnTarget& target) const {
   truth.certificate.max_error += change / (inputs_.scene.largest_irradiance * truth.certificate.weight);
   truth.certificate.tolerance = kPartsTolerance;
   truth.certificate.tail_bound += LightPathEngine::tail_bound();
-  truth.seconds = seconds_ + seconds_since(start);
+  truth.seconds = seconds_ + watch.seconds();
   return truth;
 }
 

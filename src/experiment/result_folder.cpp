@@ -112,7 +112,7 @@ fs::path beside(const fs::path& target, std::string_view ending) {
 
 // Whether `name` is one that `beside` gives for this target in some process.
 bool is_beside_name(const std::string& name, const fs::path& target) {
-  const std::string start = "." + target.filename().string() + ".";
+  const std::string start = fmt::format(".{}.", target.filename().string());
   if (!name.starts_with(start)) return false;
   const std::string rest = name.substr(start.size());
   const std::size_t dot = rest.find('.');

@@ -11,7 +11,7 @@
 namespace truescatter {
 
 // True convolution depends on the surface alone, not on the viewer. So the error of a method at a point of
-// the surface is followed through views that are derived from one (DESIGN section 3):
+// the surface is followed through views that are derived from one (README, Definitions):
 //   orbit   the eye turned about the view's `up` through its target: what changes is view dependence
 //   dolly   the eye at other distances from the target
 //   jitter  the image plane shifted by less than half a pixel; what changes here, and in a dolly, flickers

@@ -12,7 +12,7 @@
 
 namespace truescatter {
 
-// The files of the command `truth` (DESIGN section 4).
+// The files of the command `truth` (README, Commands).
 struct TruthFiles {
   std::filesystem::path mesh;        // triangles, mm; any format that load_mesh reads
   std::filesystem::path irradiance;  // CSV: r,g,b; one row per vertex of the file, in file order

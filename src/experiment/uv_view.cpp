@@ -13,7 +13,7 @@ namespace truescatter {
 namespace {
 
 constexpr double kSameUv = 1e-9;
-constexpr double kBehind_mm = 0.5;  // as neighbouring pixels are told apart, DESIGN section 3
+constexpr double kBehind_mm = 0.5;  // as neighbouring pixels are told apart, README, Definitions
 constexpr double kStepsPerPixel = 4.0;
 
 Vec2d uv_at(const Mesh& mesh, std::size_t triangle, int vertex) {

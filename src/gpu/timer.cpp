@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
 #include <vector>
+
+#include "core/stopwatch.h"
 
 namespace truescatter::gpu {
 
@@ -13,11 +14,10 @@ FrameTimes time_frames(const Context& context, const std::function<void()>& work
   std::vector<double> times_ms;
   for (int i = 0; i < repeats; ++i) {
     context.finish();
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     work();
     context.finish();
-    times_ms.push_back(
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    times_ms.push_back(watch.milliseconds());
   }
   std::sort(times_ms.begin(), times_ms.end());
   const std::size_t n = times_ms.size();

@@ -28,14 +28,14 @@ struct ShadingTriangle {
 };
 
 // How well the piecewise linear irradiance resolves the real lighting, in units of the skin's largest
-// irradiance, over the skin: no part of any method's error (DESIGN section 1).
+// irradiance, over the skin: no part of any method's error (README, Definitions).
 struct ShadingResidual {
   double mean = 0.0;  // area-weighted
   double p99 = 0.0;
 };
 
 // The scene's mesh after conforming, in-plane refinement, with the irradiance I that both the methods and the
-// truth read (DESIGN section 1).
+// truth read (README, Definitions).
 struct ShadingMesh {
   std::vector<Vec3d> positions_mm;
   std::vector<ShadingTriangle> triangles;

@@ -64,7 +64,7 @@ class SurfaceBuffers {
   double mean_mm_per_uv_unit_ = 0.0;
 };
 
-// One rendered view: what every method gets (DESIGN section 2). All textures are of the camera's size,
+// One rendered view: what every method gets (README, What it does). All textures are of the camera's size,
 // sampled at pixel centres, without antialiasing; where nothing is seen they are 0.
 struct Frame {
   Camera camera;

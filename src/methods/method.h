@@ -13,7 +13,7 @@
 
 namespace truescatter {
 
-// What a method aims at (DESIGN section 1): its error against this is the filter's own, the rest is the
+// What a method aims at (README, Definitions): its error against this is the filter's own, the rest is the
 // model's.
 struct OwnTarget {
   bool geodesic = false;
@@ -93,7 +93,7 @@ struct Method {
   std::function<void(const gpu::Context&, const Profile&, const Settings&)> check = {};
 };
 
-// Every method that there is, in the order of the table in DESIGN section 2.
+// Every method that there is, in the order of the table in README, What it does.
 const std::vector<Method>& all_methods();
 
 // Throws Error (input) at `where` for an unknown name.

@@ -7,7 +7,7 @@
 
 namespace truescatter {
 
-// What the silhouette metrics need to know about a picture (DESIGN section 3).
+// What the silhouette metrics need to know about a picture (README, Definitions).
 struct ContourInputs {
   const Image& mask;         // 1 on skin
   const Image& position;     // view space, mm, looking along -z; z = 0 where nothing is seen

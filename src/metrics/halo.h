@@ -19,7 +19,7 @@ struct HaloProfile {
   std::vector<std::size_t> pixels;
 };
 
-// How wrong a picture is along silhouettes (DESIGN section 3), with s the widest standard deviation.
+// How wrong a picture is along silhouettes (README, Definitions), with s the widest standard deviation.
 struct Halo {
   HaloProfile profile;  // to 6 s
   double peak = 0.0;    // largest |relative error| of a bin

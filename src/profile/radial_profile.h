@@ -4,7 +4,7 @@
 
 namespace truescatter {
 
-// A radial diffusion profile of one channel, as the truth needs it (DESIGN section 1):
+// A radial diffusion profile of one channel, as the truth needs it (README, Definitions):
 //
 //   value(r_mm)           f(r), in 1/mm^2: exitance per power that enters at one point; r > 0, and r = 0
 //   where

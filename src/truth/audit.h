@@ -7,7 +7,8 @@
 
 namespace truescatter {
 
-// Pixels with less than this of the mass that a kernel has on a plane are counted apart (DESIGN section 1).
+// Pixels with less than this of the mass that a kernel has on a plane are counted apart (README,
+// Definitions).
 inline constexpr double kSmallMass = 0.5;
 
 // What an audit of a fast engine against the exact one found, in units of the scene's largest irradiance.
@@ -22,7 +23,7 @@ struct Certificate {
   double open_share = 0.0;  // with 95 % confidence, at most this share of the points is worse than max_error
 
   bool passed() const { return max_error <= tolerance; }
-  // The uncertainty of every value of this truth (DESIGN section 1).
+  // The uncertainty of every value of this truth (README, Definitions).
   double uncertainty() const { return weight * (max_error + tail_bound) + approximation; }
 };
 

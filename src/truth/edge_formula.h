@@ -9,8 +9,8 @@
 
 namespace truescatter {
 
-// The two integrals of DESIGN section 1 along a piece of an edge, at signed distance p from the foot of the
-// perpendicular, from arc length t0 to t1, for F(r) = -exp(-r^2 / 2s^2) / 2 pi and the point at height h.
+// The two integrals of README, Definitions, along a piece of an edge, at signed distance p from the foot of
+// the perpendicular, from arc length t0 to t1, for F(r) = -exp(-r^2 / 2s^2) / 2 pi and the point at height h.
 struct EdgeIntegrals {
   double radial = 0.0;  // int (F(r) - F(h)) p / (p^2 + t^2) dt
   double line = 0.0;    // int F(r) dt

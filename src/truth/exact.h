@@ -9,7 +9,7 @@
 namespace truescatter {
 
 // The convolution of one triangle with one Gaussian, seen from `point_mm`: (M_r, M_g, M_b, m). Closed form
-// of DESIGN section 1: with F(r) = -s^2 G(s, r) and the foot of the perpendicular as origin,
+// of README, Definitions: with F(r) = -s^2 G(s, r) and the foot of the perpendicular as origin,
 //
 //   integral of G I dA = sum over edges [ i0 int (F(r) - F(h)) p / (p^2 + t^2) dt + (g.n) int F(r) dt ].
 //

@@ -38,7 +38,7 @@ FlatPolygon covered(const GeodesicWindow& window, const FlatPolygon& polygon);
 // lengths agree.
 //
 // - A sector of a source of offset 0 between straight lines (the curve is straight for equal offsets) is
-//   closed: DESIGN section 1's boundary integrals with h = 0.
+//   closed: the boundary integrals of README, Definitions, with h = 0.
 // - Any other is one integral over the angle,
 //     int [i0 (A(far) - A(near)) + (g.u) (B(far) - B(near))] dtheta,
 //     A = int_0^rho t f(offset + t) dt,  B = int_0^rho t^2 f(offset + t) dt,

@@ -22,8 +22,8 @@ struct RadialValue {
   Vec4d error = Vec4d::Zero();
 };
 
-// The convolution of one triangle with the kernel, seen from `point_mm`: the boundary integrals of DESIGN
-// section 1 for a general F,
+// The convolution of one triangle with the kernel, seen from `point_mm`: the boundary integrals of
+// README, Definitions, for a general F,
 //
 //   sum over edges [ i0 int (F(r) - F(h)) p / (p^2 + t^2) dt + (g.n) int F(r) dt ],
 //

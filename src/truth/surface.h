@@ -20,7 +20,8 @@ struct SurfaceTriangle {
   }
 };
 
-// S of DESIGN section 1: the skin of the shading mesh, as a soup; all that the truth needs to know.
+// The surface S of README, Definitions: the skin of the shading mesh, as a soup; all that the truth needs to
+// know.
 struct Surface {
   std::vector<SurfaceTriangle> triangles;
 
@@ -44,7 +45,7 @@ struct TruthLayer {
 };
 
 // For each layer and point: the raw convolution M_s of RGB in the first three entries, the mass m_s in the
-// fourth (DESIGN section 1).
+// fourth (README, Definitions).
 using TruthValues = std::vector<std::vector<Vec4d>>;
 
 }  // namespace truescatter

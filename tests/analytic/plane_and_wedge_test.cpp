@@ -11,7 +11,7 @@ namespace {
 
 // The planes end 12 s away from every point: what is missing is below exp(-12^2 / 2) = 5e-32.
 constexpr double kExtentStdDevs = 14.0;
-// DESIGN: exact to rounding. Sums of some hundred terms of size <= 1 with 1e-16 each.
+// Exact to rounding. Sums of some hundred terms of size <= 1 with 1e-16 each.
 constexpr double kRounding = 1e-11;
 
 // Absolute, in units of the light, and of a value above 1e-3 also of the value.

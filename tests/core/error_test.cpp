@@ -25,7 +25,7 @@ TEST(Error, NamesItsPlaceBeforeTheMessage) {
 
 TEST(Error, HasNoPrefixWithoutAFile) { EXPECT_STREQ(Error(ErrorKind::input, {}, "is bad").what(), "is bad"); }
 
-// DESIGN section 4: 2 is wrong usage or input, 3 a failed run.
+// README, Commands: 2 is wrong usage or input, 3 a failed run.
 TEST(Error, KindGivesTheExitCode) {
   const auto input = test::error_of([] { throw_input_error({"f"}, "{} is not {}", 1, 2); });
   ASSERT_TRUE(input.has_value());

@@ -50,8 +50,9 @@ int margin_px(const PlaneView& view, double r_max_mm) {
   return static_cast<int>(std::ceil(r_max_mm / view.mm_per_px)) + 1;
 }
 
-// DESIGN's promise for a plane that faces the camera: 1e-3 of the largest irradiance, at wavelengths of 16 px
-// and more. A fifteenth of s a pixel, cut-offs from where it takes 13 % of the light to where it takes none.
+// What every method keeps to on a plane that faces the camera: 1e-3 of the largest irradiance, at wavelengths
+// of 16 px and more. A fifteenth of s a pixel, cut-offs from where it takes 13 % of the light to where it
+// takes none.
 TEST(Plane, CosineLightIsFilteredAsTheTruthIs) {
   for (const Filter& filter : {kScreenIntegral, kUnnormalised, kCbf}) {
     for (const double r_max_mm : {2.0, 3.0, 4.5}) {
