@@ -105,9 +105,10 @@ RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunAr
   const std::unique_ptr<TruthCache> cache =
       spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
   try {
-    const RunOutcome outcome = run_experiment(spec, results.working(), cache.get(), {},
-                                              {arguments.gl, arguments.export_inputs, arguments.export_passes,
-                                               memory_limit(arguments.memory_limit), arguments.resume});
+    const RunOutcome outcome =
+        run_experiment(spec, results.working(), cache.get(), {},
+                       {arguments.gl, arguments.export_inputs, arguments.export_passes, arguments.buffers,
+                        memory_limit(arguments.memory_limit), arguments.resume});
     write_report(results.working());
     results.publish();
     return outcome;

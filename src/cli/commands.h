@@ -8,7 +8,7 @@
 
 namespace truescatter::cli {
 
-// The commands of DESIGN section 4. Each returns the exit code: 0 done, 1 a stated threshold was exceeded;
+// The commands of README, Commands. Each returns the exit code: 0 done, 1 a stated threshold was exceeded;
 // usage, input and run failures are thrown as Error.
 
 struct RunArguments {
@@ -20,6 +20,7 @@ struct RunArguments {
   gpu::Backend gl = gpu::Backend::osmesa;
   bool export_inputs = false;  // what methods are given of each view is written too
   bool export_passes = false;  // the textures that methods name on their way are written too
+  bool buffers = false;        // these, and what a view has before any method draws
   std::string memory_limit;    // in GiB, as the user gave it; empty: default_memory_limit()
   bool no_cache = false;       // truths are neither taken from the cache nor kept there
   bool resume = false;         // goes on from what a run that was cut off has finished

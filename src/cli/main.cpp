@@ -58,6 +58,9 @@ int dispatch(int argc, char** argv) {
       "yet are skipped");
   run->add_flag("--export-passes", run_arguments.export_passes,
                 "Write the textures that methods name on their way as EXR and PNG, to passes/");
+  run->add_flag("--buffers", run_arguments.buffers,
+                "The same, and what each view has before any method draws: light by light, occlusion, depth, "
+                "normals; the report's viewer shows them all");
   run->add_flag("--resume", run_arguments.resume, "Go on from what a run that was cut off has finished")
       ->excludes("--dry-run");
   constexpr const char* kMemoryLimit =

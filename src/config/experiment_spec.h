@@ -203,6 +203,23 @@ struct MetricsSpec {
   bool leak = false;  // light that methods carry from one surface to another: each is lit alone once
 };
 
+// The picture that a person sees, of the truth and of every method: exitance times albedo, specular light,
+// tone curve.
+struct CompositeSpec {
+  double exposure = 1.0;         // light is in units of the scene's largest irradiance
+  std::string tone = "filmic";   // | linear: see composite/tone.h
+  Vec3d albedo = Vec3d::Ones();  // of the skin, times the scene's texture where there is one
+  bool specular = true;
+  std::string regions;  // of intensity and roughness: a picture in UV, or "builtin:head"; empty: everywhere
+                        // as follows
+  SourceLocation regions_where;
+  double intensity = 0.25;             // rho_s
+  double roughness = 0.28;             // m
+  double f0 = 0.028;                   // reflectance at normal incidence
+  std::string beckmann = "log";        // | power: what the table of Beckmann's distribution holds
+  double pixels_per_degree = 67.0206;  // of the display, where it is seen from
+};
+
 struct TimingSpec {
   int warm_up = 1;
   int repeats = 3;
@@ -279,6 +296,7 @@ struct ExperimentSpec {
   bool standard_methods = false;  // they are not the file's own
   TruthSpec truth;
   MetricsSpec metrics;
+  std::optional<CompositeSpec> composite;
   TimingSpec timing;
   std::vector<ThresholdSpec> thresholds;
   std::vector<LadderSpec> ladders;

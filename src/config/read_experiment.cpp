@@ -465,6 +465,30 @@ MetricsSpec read_metrics(TomlTable table) {
   return metrics;
 }
 
+CompositeSpec read_composite(TomlTable table) {
+  CompositeSpec composite;
+  composite.exposure = table.number("exposure", composite.exposure, 1e-6, 1e6);
+  composite.tone = table.one_of("tone", composite.tone, {"filmic", "linear"});
+  composite.albedo = table.rgb("albedo", composite.albedo);
+  if (composite.albedo.minCoeff() < 0.0) table.fail("albedo", "'composite.albedo' must not be negative");
+  composite.specular = table.flag("specular", composite.specular);
+  composite.regions = table.text("regions", "");
+  composite.regions_where = table.where("regions");
+  for (const char* key : {"intensity", "roughness"}) {
+    if (!composite.regions.empty() && table.has(key)) {
+      table.fail(key,
+                 fmt::format("'composite.{}' is for skin without regions: 'composite.regions' has it", key));
+    }
+  }
+  composite.intensity = table.number("intensity", composite.intensity, 0.0, 1.0);
+  composite.roughness = table.number("roughness", composite.roughness, 0.1, 1.0);
+  composite.f0 = table.number("f0", composite.f0, 0.0, 1.0);
+  composite.beckmann = table.one_of("beckmann", composite.beckmann, {"log", "power"});
+  composite.pixels_per_degree = table.number("pixels_per_degree", composite.pixels_per_degree, 5.0, 500.0);
+  table.finish();
+  return composite;
+}
+
 TimingSpec read_timing(TomlTable table) {
   TimingSpec timing;
   timing.warm_up = table.whole("warm_up", timing.warm_up, 0, 1000);
@@ -714,6 +738,7 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
     root.fail("method", "'method' is missing: an experiment needs at least one [[method]]");
   spec.truth = read_truth(root.table("truth"));
   spec.metrics = read_metrics(root.table("metrics"));
+  if (root.has("composite")) spec.composite = read_composite(root.table("composite"));
   spec.timing = read_timing(root.table("timing"));
   for (const TomlTable& table : root.tables("threshold")) {
     spec.thresholds.push_back(read_threshold(table));

@@ -202,6 +202,18 @@ std::string stability_toml(const StabilitySpec& stability) {
   return text;
 }
 
+std::string composite_toml(const ExperimentSpec& spec, const CompositeSpec& composite) {
+  std::string text = "\n[composite]\n" + line("exposure", composite.exposure) + line("tone", composite.tone) +
+                     line("albedo", composite.albedo) + line("specular", composite.specular);
+  if (composite.regions.empty()) {
+    text += line("intensity", composite.intensity) + line("roughness", composite.roughness);
+  } else {
+    text += line("regions", portable_path(spec, composite.regions));
+  }
+  return text + line("f0", composite.f0) + line("beckmann", composite.beckmann) +
+         line("pixels_per_degree", composite.pixels_per_degree);
+}
+
 }  // namespace
 
 std::string to_toml(const ExperimentSpec& spec) {
@@ -222,6 +234,7 @@ std::string to_toml(const ExperimentSpec& spec) {
           line("geodesic", spec.truth.geodesic) + line("visible_only", spec.truth.visible_only) +
           line("light_paths", spec.truth.light_paths) + line("cache", spec.truth.cache);
   text += "\n[metrics]\n" + line("seam", spec.metrics.seam) + line("leak", spec.metrics.leak);
+  if (spec.composite) text += composite_toml(spec, *spec.composite);
   text += "\n[timing]\n" + line("warm_up", spec.timing.warm_up) + line("repeats", spec.timing.repeats);
   for (const ThresholdSpec& threshold : spec.thresholds) {
     text += "\n[[threshold]]\n" + line("method", threshold.method) + line("metric", threshold.metric) +

@@ -7,36 +7,13 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_text.h"
 #include "experiment/result_json.h"
 
 namespace truescatter {
 namespace {
 
 using nlohmann::json;
-
-SourceLocation place_in(const std::string& file, const std::string& text, std::size_t byte) {
-  const std::string_view before = std::string_view(text).substr(0, byte > 0 ? byte - 1 : 0);
-  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
-  const std::size_t line_start = before.rfind('\n') == std::string_view::npos ? 0 : before.rfind('\n') + 1;
-  return {file, static_cast<int>(line), static_cast<int>(before.size() - line_start) + 1};
-}
-
-// Without the library's preamble, which says where in its own way.
-std::string complaint(const json::exception& error) {
-  const std::string text = error.what();
-  const std::size_t at = text.find("] ");
-  return at == std::string::npos ? text : text.substr(at + 2);
-}
-
-json parse(const std::string& file, const std::string& text) {
-  try {
-    return json::parse(text);
-  } catch (const json::parse_error& error) {
-    throw_input_error(place_in(file, text, error.byte), "this is no JSON: {}", complaint(error));
-  } catch (const json::exception& error) {
-    throw_input_error({file}, "this is no JSON that can be read: {}", complaint(error));
-  }
-}
 
 const json& array_at(const json& object, const std::string& file, const char* key) {
   if (!object.is_object()) throw_input_error({file}, "an object with the key \"{}\" is needed", key);
@@ -62,8 +39,8 @@ json asked_json(const DiffusionProfile& profile, const FitSpec& asked) {
   if (!spec.table.empty()) object["table"] = spec.table;
   if (!spec.layers.empty()) object["layers"] = spec.layers;
   if (spec.sigma_s_prime_per_mm.maxCoeff() > 0.0) {
-    object["sigma_a_per_mm"] = rgb_json(spec.sigma_a_per_mm);
-    object["sigma_s_prime_per_mm"] = rgb_json(spec.sigma_s_prime_per_mm);
+    object["sigma_a_per_mm"] = vector_json(spec.sigma_a_per_mm);
+    object["sigma_s_prime_per_mm"] = vector_json(spec.sigma_s_prime_per_mm);
     object["eta"] = spec.eta;
   }
   if (spec.thickness_mm > 0.0) object["thickness_mm"] = spec.thickness_mm;
@@ -105,8 +82,8 @@ json curve_json(const std::array<FitTarget, 3>& targets, const GaussianFit& fit)
       sum[static_cast<Eigen::Index>(c)] = sum_value(sums[c], r_mm);
     }
     curve["r_mm"].push_back(r_mm);
-    curve["profile"].push_back(rgb_json(profile));
-    curve["fit"].push_back(rgb_json(sum));
+    curve["profile"].push_back(vector_json(profile));
+    curve["fit"].push_back(vector_json(sum));
   }
   return curve;
 }
@@ -120,7 +97,7 @@ json fit_json(const DiffusionProfile& profile, const FitSpec& asked, const Gauss
   object["weights"] = json::array();
   for (const GaussianLevel& level : fit.levels) {
     object["variances"].push_back(level.variance_mm2);
-    object["weights"].push_back(rgb_json(level.weight));
+    object["weights"].push_back(vector_json(level.weight));
   }
   for (const FitNorm norm : kFitNorms) {
     json& errors = object["error"][std::string(name_of(norm))];
@@ -132,7 +109,7 @@ json fit_json(const DiffusionProfile& profile, const FitSpec& asked, const Gauss
       if (!error) object["error_note"] = "the norm r is not finite: the profile goes as 1/r at 0";
     }
   }
-  object["albedo"] = {{"profile", rgb_json(profile.albedo())}, {"fit", rgb_json(fit.total_weight())}};
+  object["albedo"] = {{"profile", vector_json(profile.albedo())}, {"fit", vector_json(fit.total_weight())}};
   for (const FitTarget& target : targets) object["domain_mm"].push_back({target.r_min_mm, target.r_max_mm});
   object["curve"] = curve_json(targets, fit);
   return object;
@@ -158,7 +135,7 @@ GaussianFit score(const DiffusionProfile& profile, const Profile& gaussians, boo
 
 std::vector<GaussianLevel> read_fit(const std::filesystem::path& path) {
   const std::string file = path.string();
-  const json fit = parse(file, read_text_file(path));
+  const json fit = parse_json(file, read_text_file(path));
   const json& variances = array_at(fit, file, "variances");
   const json& weights = array_at(fit, file, "weights");
   if (weights.size() != variances.size()) {

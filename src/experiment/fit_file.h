@@ -9,7 +9,7 @@
 
 namespace truescatter {
 
-// A fit as FIT.json has it (DESIGN section 4): `schema`, `asked` (the profile and how it was fitted),
+// A fit as FIT.json has it (README, Commands): `schema`, `asked` (the profile and how it was fitted),
 // `variances` (mm^2, ascending), `weights` ([r, g, b] for each), `error` (by norm, [r, g, b] each; null where
 // the norm is not finite, and `error_note` says why), `albedo` (`profile` and `fit`, [r, g, b]), `domain_mm`
 // (of the norms: [from, to] of each channel) and `curve` (the profile and the fit at some radii of the
@@ -21,7 +21,7 @@ nlohmann::json fit_json(const DiffusionProfile& profile, const FitSpec& asked, c
 // beside them, which has no finite norm.
 GaussianFit score(const DiffusionProfile& profile, const Profile& gaussians, bool to_albedo);
 
-// Reads the sum of Gaussians of a FIT.json (DESIGN section 4): `variances`, in mm^2, above 0 and ascending,
+// Reads the sum of Gaussians of a FIT.json (README, Commands): `variances`, in mm^2, above 0 and ascending,
 // and `weights`, one [r, g, b] for each. Other keys are the fit's own account and are not read. Throws Error
 // (input) that names the file and the line and column of a slip in its JSON, or the key, the value and the
 // rule that it breaks.

@@ -4,6 +4,7 @@
 
 #include "core/file.h"
 #include "core/image_io.h"
+#include "experiment/result_json.h"
 
 namespace truescatter {
 namespace {
@@ -23,8 +24,6 @@ json matrix_json(const Mat4d& m) {
   for (int r = 0; r < 4; ++r) rows.push_back({m(r, 0), m(r, 1), m(r, 2), m(r, 3)});
   return rows;
 }
-
-json vector_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 
 json camera_json(const std::string& view, const Camera& camera, double median_depth_mm) {
   return {{"view", view},

@@ -17,6 +17,7 @@ class InputFiles {
     add(spec, scene.transmitter_mask, scene.transmitter_mask_where);
     add(spec, scene.normal_map, scene.normal_map_where);
     add(spec, scene.albedo, scene.albedo_where);
+    if (spec.composite) add(spec, spec.composite->regions, spec.composite->regions_where);
     for (const LightSpec& light : spec.lights) add(spec, light.map, light.map_where);
     for (const ProfileSpec& profile : spec.profiles) {
       if (profile.of) add(spec, profile.of->layers, profile.of->file_where);

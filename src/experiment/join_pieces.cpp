@@ -123,6 +123,7 @@ json join_pieces(const ExperimentSpec& experiment, const std::vector<ScenePlan>&
     described.push_back(results["scene"]);
     if (experiment.sweep) mark_sweep(experiment, i, first_view, first_run, results);
   }
+  if (experiment.composite) results["composite"] = composite_json(*experiment.composite);
   // What is said of the scene is said of the first.
   results["scene"] = described.front();
   if (experiment.sweep) results["sweep"] = sweep_json(*experiment.sweep, described, results);
@@ -146,6 +147,7 @@ std::vector<ViewPictures> pictures_of(const ScenePlan& scene, const PieceStore& 
     switch (piece.kind) {
       case Piece::Kind::view:
         views.push_back({piece.view, pieces.picture(piece), finished["exposure"].get<double>()});
+        views.back().composites = scene.spec.composite.has_value();
         break;
       case Piece::Kind::truth:
         views.back().truths.push_back(piece.stem());

@@ -15,6 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+Image grey(const Image& values) {
+  Image image(values.width(), values.height(), 3);
+  for (std::size_t i = 0; i < image.data().size(); ++i) image.data()[i] = values.data()[i / 3];
+  return image;
+}
+
 // Makes PNGs of a view out of its EXRs; each job reads one of them.
 class PictureJobs {
  public:
@@ -49,6 +55,11 @@ class PictureJobs {
               display_picture(textured(layer_of(exr, ""), images_.albedo), view_.exposure), origin_);
   }
 
+  // What a display shows is in the file.
+  void write_composite(const std::string& stem, const LayeredImage& exr) const {
+    write_png(maps_ / composite_file(stem), display_picture(layer_of(exr, "composite"), 1.0), origin_);
+  }
+
   void write_map(const std::string& stem, const Image& error, MapKind kind, const std::string& title) const {
     const std::string file = stem + (kind == MapKind::magnitude ? ".abs.png" : ".signed.png");
     write_png(maps_ / file, map_picture(error, measured_, kind, ranges_.errors, title), origin_);
@@ -59,8 +70,13 @@ class PictureJobs {
       write_png(maps_ / (view_.name + ".irradiance.png"), display_picture(images_.irradiance, view_.exposure),
                 origin_);
     });
-    for (const std::string& truth : view_.truths)
-      jobs_.emplace_back([this, &truth] { write_exitance(truth, read(truth)); });
+    for (const std::string& truth : view_.truths) {
+      jobs_.emplace_back([this, &truth] {
+        const LayeredImage exr = read(truth);
+        write_exitance(truth, exr);
+        if (view_.composites) write_composite(truth, exr);
+      });
+    }
     for (const std::string& truth : view_.profile_truths) {
       jobs_.emplace_back([this, &truth] {
         const LayeredImage exr = read(truth);
@@ -75,6 +91,12 @@ class PictureJobs {
         write_exitance(run, exr);
         write_map(run, error, MapKind::magnitude, "|ERROR| LUMINANCE");
         write_map(run, error, MapKind::signed_error, "ERROR LUMINANCE");
+        if (!view_.composites) return;
+        write_composite(run, exr);
+        write_png(maps_ / visible_file(run),
+                  map_picture(grey(layer_of(exr, "visible")), measured_, MapKind::magnitude, kVisibleRange,
+                              "FLIP OF PICTURES"),
+                  origin_);
       });
     }
     for (const ViewPictures::Ladder& ladder : view_.ladders) {
@@ -118,12 +140,17 @@ void write_truth_maps(const fs::path& exr, const TruthMaps& truth, const ImageTe
   std::vector<ExrLayer> layers = {
       {"", &truth.rgb}, {"mass", &truth.mass}, {"irradiance", &truth.irradiance}, {"mask", &truth.mask}};
   if (!truth.fit_error.empty()) layers.push_back({"fit_error", &truth.fit_error});
+  if (!truth.composite.empty()) layers.push_back({"composite", &truth.composite});
   write_exr(exr, layers, origin);
 }
 
 void write_run_maps(const fs::path& exr, const RunMaps& run, const ImageTexts& origin) {
   std::vector<ExrLayer> layers = {{"", &run.exitance}, {"error", &run.error}, {"mask", &run.mask}};
   if (!run.profile_error.empty()) layers.push_back({"profile_error", &run.profile_error});
+  if (!run.composite.empty()) {
+    layers.push_back({"composite", &run.composite});
+    layers.push_back({"visible", &run.visible});
+  }
   write_exr(exr, layers, origin);
 }
 
@@ -138,6 +165,9 @@ Image textured(Image exitance, const Image& albedo) {
   for (std::size_t i = 0; i < albedo.data().size(); ++i) exitance.data()[i] *= albedo.data()[i];
   return exitance;
 }
+
+std::string composite_file(const std::string& stem) { return stem + ".composite.png"; }
+std::string visible_file(const std::string& stem) { return stem + ".visible.png"; }
 
 std::string step_file(const std::string& ladder_stem, const std::string& rung) {
   return ladder_stem + "." + rung + ".step.png";

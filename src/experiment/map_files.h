@@ -31,6 +31,7 @@ struct TruthMaps {
   const Image& irradiance;
   const Image& mask;
   const Image& fit_error;
+  const Image& composite;  // of the display, linear; empty without one
 };
 void write_truth_maps(const std::filesystem::path& exr, const TruthMaps& truth, const ImageTexts& origin);
 
@@ -40,6 +41,8 @@ struct RunMaps {
   const Image& error;  // against the headline
   const Image& mask;
   const Image& profile_error;  // against the truth of the profile itself; empty without one
+  const Image& composite;      // of the display, linear; empty without one
+  const Image& visible;        // FLIP between it and the truth's, one channel
 };
 void write_run_maps(const std::filesystem::path& exr, const RunMaps& run, const ImageTexts& origin);
 
@@ -50,6 +53,10 @@ struct LadderStep {
 };
 void write_ladder_maps(const std::filesystem::path& exr, const Image& mask,
                        const std::list<LadderStep>& steps, const ImageTexts& origin);
+
+// The names of a truth's or a run's composite, and of a run's FLIP against the truth's.
+std::string composite_file(const std::string& stem);
+std::string visible_file(const std::string& stem);
 
 // The name of a step's picture.
 std::string step_file(const std::string& ladder_stem, const std::string& rung);
@@ -62,6 +69,10 @@ struct MapRanges {
   double errors;
   double ladder_steps;
 };
+
+// Where the colours of FLIP maps end: one range for all, so that experiments can be compared. 0.2 is plain to
+// see.
+inline constexpr double kVisibleRange = 0.2;
 
 // What of a view has pictures, by the stems of the files' names.
 struct ViewPictures {
@@ -76,6 +87,7 @@ struct ViewPictures {
     std::vector<std::string> steps;  // names of rungs
   };
   std::vector<Ladder> ladders = {};
+  bool composites = false;  // there are some, of truths of Gaussians and of runs
 };
 
 // Writes the PNGs of a view into `maps`, in parallel, out of the EXRs that are there. Error maps show the

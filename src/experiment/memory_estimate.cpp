@@ -144,6 +144,7 @@ class Model {
                              &spec_.scene.transmitter_mask}) {
       bytes += image_bytes(*path);
     }
+    if (spec_.composite) bytes += image_bytes(spec_.composite->regions);
     for (const LightSpec& light : spec_.lights) bytes += image_bytes(light.map);
     return bytes;
   }
@@ -220,6 +221,9 @@ class Model {
     double kept = 3.0 * sizeof(char) + sizeof(double);
     if (spec_.metrics.seam) kept += sizeof(double) + kFloat;
     if (!spec_.scene.albedo.empty()) kept += 3.0 * kFloat;
+    // Albedo and specular light are kept; while it is made, each light's picture and textures of four
+    // channels.
+    if (spec_.composite) kept += (6.0 + 4.0 * 5.0 + 3.0 * static_cast<double>(spec_.lights.size())) * kFloat;
     return stage.add("frame", MemoryOf::pixels, frame_bytes() + host_frame_bytes())
         .add("points and contours", MemoryOf::pixels, pixels_ * (point_bytes() + kept))
         .add(fmt::format("truths of {} Gaussians", work_.layers.size()), MemoryOf::pixels,

@@ -120,6 +120,17 @@ json leak_json(const std::vector<LitAlone>& surfaces, double largest_irradiance)
   return object;
 }
 
+json visible_json(const Image& flip_map, const Image& mask) {
+  const VisibleDifference difference = visible_difference(flip_map, mask);
+  const std::string empty = "no pixel to measure";
+  json object;
+  put_number(object, "mean", difference.mean, empty);
+  put_number(object, "p95", difference.p95, empty);
+  put_number(object, "above_005", difference.above_005, empty);
+  put_number(object, "above_01", difference.above_01, empty);
+  return object;
+}
+
 json mask_halo_json(const Image& test, const Image& truth, const Image& mask, double std_dev_px) {
   // Facing skin at depth 1 before nothing, under a focal length of 1: distances come back in pixels.
   Image position(mask.width(), mask.height(), 3);

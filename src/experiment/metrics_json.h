@@ -32,7 +32,7 @@ struct MetricInputs {
   const UvView* uv = nullptr;        // for seam and stretch; null: not asked for
 };
 
-// The `metrics` object of results.json: luminance at the top, r, g, b under `channels` (DESIGN section 4).
+// The `metrics` object of results.json: luminance at the top, r, g, b under `channels` (README, Commands).
 nlohmann::json metrics_json(const Image& test, const MetricInputs& inputs);
 
 // The `leak` object: energy, peak, and by_surface[] {component, pixels, energy, peak}, each of what leaves
@@ -41,6 +41,9 @@ nlohmann::json leak_json(const std::vector<LitAlone>& surfaces, double largest_i
 
 // The error statistics alone: what `compare` prints, and what own targets carry.
 nlohmann::json error_stats_json(const Image& test, const Image& truth, const Image& mask);
+
+// The `visible` object: FLIP between composites, {mean, p95, above_005, above_01} (visible_difference).
+nlohmann::json visible_json(const Image& flip_map, const Image& mask);
 
 // The halo of two pictures of which nothing but the skin's mask is known: beside its outer contour alone, and
 // in pixels, for the widest standard deviation `std_dev_px`. {peak, width_px, energy, contrast, pixels,

@@ -23,19 +23,24 @@ Image channel_of(const Image& image, int channel) {
   return one;
 }
 
-// The first three channels; 0 for those that there are not.
-Image as_rgb(const Image& image) {
+// The first three channels, 0 for those that there are not; grey of a single one. Of what is not light the
+// magnitudes: a normal that points to the left is no darkness.
+Image as_rgb(const Image& image, bool light) {
   Image rgb(image.width(), image.height(), 3);
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
-      for (int c = 0; c < std::min(3, image.channels()); ++c) rgb.at(x, y, c) = image.at(x, y, c);
+      for (int c = 0; c < 3; ++c) {
+        const int from = image.channels() == 1 ? 0 : c;
+        if (from >= image.channels()) continue;
+        rgb.at(x, y, c) = light ? image.at(x, y, from) : std::abs(image.at(x, y, from));
+      }
     }
   }
   return rgb;
 }
 
-// The 99 % quantile of what is a number, rounded up so that pictures of alike textures share it; 1 where it
-// is not above 0.
+// The 99 % quantile of what is a number of what is shown, rounded up so that pictures of alike textures share
+// it; 1 where it is not above 0.
 double white_of(const Image& image) {
   std::vector<float> values;
   std::copy_if(image.data().begin(), image.data().end(), std::back_inserter(values),
@@ -62,9 +67,11 @@ void write_channels(const std::filesystem::path& path, const NamedTexture& textu
 json write_named_texture(const std::filesystem::path& folder, const std::string& stem,
                          const NamedTexture& texture, double exposure, const ImageTexts& origin) {
   const std::string name = stem + "." + texture.name;
-  const double white = is_light(texture) ? 1.0 / exposure : white_of(texture.image);
+  const bool light = is_light(texture);
+  const Image shown = as_rgb(texture.image, light);
+  const double white = light ? 1.0 / exposure : white_of(shown);
   write_channels(folder / (name + ".exr"), texture, origin);
-  write_png(folder / (name + ".png"), display_picture(as_rgb(texture.image), 1.0 / white), origin);
+  write_png(folder / (name + ".png"), display_picture(shown, 1.0 / white), origin);
   return {{"name", texture.name}, {"shows", texture.shows},           {"channels", texture.channels},
           {"white", white},       {"exr", "passes/" + name + ".exr"}, {"png", "passes/" + name + ".png"}};
 }

@@ -29,7 +29,25 @@ void put_truth(json& object, const std::string& view, const Profile& profile, co
 
 }  // namespace
 
-json rgb_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+json vector_json(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+
+json composite_json(const CompositeSpec& composite) {
+  json object = {{"exposure", composite.exposure},
+                 {"tone", composite.tone},
+                 {"albedo", vector_json(composite.albedo)},
+                 {"specular", composite.specular},
+                 {"pixels_per_degree", composite.pixels_per_degree}};
+  if (!composite.specular) return object;
+  object["f0"] = composite.f0;
+  object["beckmann"] = composite.beckmann;
+  if (composite.regions.empty()) {
+    object["intensity"] = composite.intensity;
+    object["roughness"] = composite.roughness;
+  } else {
+    object["regions"] = composite.regions;
+  }
+  return object;
+}
 
 json target_json(const OwnTarget& target) {
   json object = {{"metric", target.geodesic ? "geodesic" : "euclidean"},
@@ -51,14 +69,14 @@ json settings_json(const Settings& settings) {
 json profile_json(const Profile& profile) {
   json terms = json::array();
   for (const GaussianTerm& term : profile.terms) {
-    terms.push_back({{"variance_mm2", rgb_json(term.variance_mm2)}, {"weight", rgb_json(term.weight)}});
+    terms.push_back({{"variance_mm2", vector_json(term.variance_mm2)}, {"weight", vector_json(term.weight)}});
   }
   return {{"name", profile.name},
           {"title", profile.title},
           {"source", profile.source},
-          {"delta_weight", rgb_json(profile.delta_weight)},
+          {"delta_weight", vector_json(profile.delta_weight)},
           {"gaussians", terms},
-          {"total_weight", rgb_json(profile.total_weight())},
+          {"total_weight", vector_json(profile.total_weight())},
           {"widest_std_dev_mm", profile.widest_std_dev_mm()},
           {"r_max_mm", profile.r_max_mm}};
 }
@@ -129,14 +147,14 @@ json profile_model_json(const ProfileModel& model) {
   const ProfileModelSpec& spec = model.spec;
   json object = {{"model", spec.model},
                  {"title", model.title},
-                 {"sigma_a_per_mm", rgb_json(spec.sigma_a_per_mm)},
-                 {"sigma_s_prime_per_mm", rgb_json(spec.sigma_s_prime_per_mm)},
+                 {"sigma_a_per_mm", vector_json(spec.sigma_a_per_mm)},
+                 {"sigma_s_prime_per_mm", vector_json(spec.sigma_s_prime_per_mm)},
                  {"eta", spec.eta},
-                 {"albedo", rgb_json(model.albedo)},
+                 {"albedo", vector_json(model.albedo)},
                  {"mixture",
                   {{"gaussians", gaussian_levels(model.mixture).size()},
                    {"tolerance", spec.tolerance},
-                   {"error_bound", rgb_json(model.error_bound)}}}};
+                   {"error_bound", vector_json(model.error_bound)}}}};
   object["material"] = spec.material.empty() ? json() : json(spec.material);
   object["thickness_mm"] = spec.model == "multipole" ? json(spec.thickness_mm) : json();
   return object;

@@ -10,13 +10,15 @@
 
 namespace truescatter {
 
-// Parts of results.json (DESIGN section 4) that say what a run was made of.
+// Parts of results.json (README, Commands) that say what a run was made of.
 
 // The mesh, its shading mesh and UVs, and how well irradiance is resolved.
 nlohmann::json scene_json(const ExperimentSpec& spec, const PreparedScene& scene);
 nlohmann::json profile_json(const Profile& profile);
 // [r, g, b].
-nlohmann::json rgb_json(const Vec3d& rgb);
+nlohmann::json vector_json(const Vec3d& v);
+// What pictures for a person are made with: [composite].
+nlohmann::json composite_json(const CompositeSpec& composite);
 
 // As FIT.json has it, without the curve.
 nlohmann::json profile_fit_json(const DiffusionProfile& profile, const FitSpec& asked,

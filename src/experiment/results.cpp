@@ -28,7 +28,7 @@ json at_pointer(const json& object, const char* pointer) {
 }  // namespace
 
 std::string results_csv(const json& results) {
-  static constexpr std::array<std::array<const char*, 2>, 39> kColumns = {
+  static constexpr std::array<std::array<const char*, 2>, 43> kColumns = {
       {{"view", "/view"},
        {"profile", "/profile"},
        {"method", "/method"},
@@ -69,7 +69,12 @@ std::string results_csv(const json& results) {
        {"own_sampled_points", "/own_target/sampled/points"},
        {"sampled_rel_rmse", "/own_target/sampled/headline_metrics/rel_rmse"},
        // The first of the truths that were asked for beside the headline.
-       {"extra_rel_rmse", "/extra_targets/0/metrics/rel_rmse"}}};
+       {"extra_rel_rmse", "/extra_targets/0/metrics/rel_rmse"},
+       // FLIP between the pictures that a person sees, where they were asked for.
+       {"visible_mean", "/metrics/visible/mean"},
+       {"visible_p95", "/metrics/visible/p95"},
+       {"visible_above_005", "/metrics/visible/above_005"},
+       {"visible_above_01", "/metrics/visible/above_01"}}};
   std::string text;
   for (const auto& column : kColumns) text += fmt::format("{}{}", text.empty() ? "" : ",", column[0]);
   text += "\n";

@@ -32,6 +32,7 @@ struct Shared {
   const ImageTexts& origin;
   std::filesystem::path inputs;
   std::filesystem::path passes;
+  bool buffers;
   KnownWidths& widths;
   std::uint64_t memory_limit_bytes;
 };
@@ -51,8 +52,8 @@ void run_scene(const ScenePlan& what, const Shared& shared) {
   });
   const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, shared.cache,
                            shared.wrap);
-  const Setup setup{spec,   plan,          scene,         shared.context, buffers,
-                    truths, shared.pieces, shared.origin, shared.inputs,  shared.passes};
+  const Setup setup{spec,          plan,          scene,         shared.context, buffers,       truths,
+                    shared.pieces, shared.origin, shared.inputs, shared.passes,  shared.buffers};
   for (const ViewSpec& view : spec.views) run_view(setup, view);
   for (const Piece& piece : pieces_of(spec, plan)) {
     if (piece.kind == Piece::Kind::widths && !shared.pieces.has(piece))
@@ -114,6 +115,7 @@ json key_of(const gpu::Context& context, const ExperimentSpec& spec, const RunOp
   key["exports"] = json::array();
   if (options.export_inputs) key["exports"].push_back("inputs");
   if (options.export_passes) key["exports"].push_back("passes");
+  if (options.buffers) key["exports"].push_back("buffers");
   return key;
 }
 
@@ -143,7 +145,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   for (const Plan& plan : plans) check_shaders(plan, context);
   const std::filesystem::path inputs = options.export_inputs ? folder / "inputs" : "";
   if (!inputs.empty()) make_folder(inputs);
-  const std::filesystem::path passes = options.export_passes ? folder / "passes" : "";
+  const std::filesystem::path passes = options.export_passes || options.buffers ? folder / "passes" : "";
   if (!passes.empty()) make_folder(passes);
 
   PieceStore pieces(folder);
@@ -152,7 +154,8 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const ImageTexts origin = picture_origin(key);
   KnownWidths widths;
   run_scenes(spec, scenes,
-             {context, cache, wrap, pieces, origin, inputs, passes, widths, options.memory_limit_bytes});
+             {context, cache, wrap, pieces, origin, inputs, passes, options.buffers, widths,
+              options.memory_limit_bytes});
 
   json results = join_pieces(spec, scenes, pieces);
   results["schema"] = kResultsSchema;
@@ -162,6 +165,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                      {"ladder_range", ranges.ladder_steps},
                      {"quantity", "luminance"},
                      {"exposure", first.front().exposure}};
+  if (spec.composite) results["maps"]["visible_range"] = kVisibleRange;
   results["provenance"] = key;
   results["provenance"]["finished_utc"] = now_utc();
   results["provenance"]["memory"] = {{"peak_bytes", peak_memory()},

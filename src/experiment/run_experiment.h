@@ -17,6 +17,7 @@ struct RunOptions {
   bool export_inputs =
       false;  // writes what methods are given of each view to inputs/, and skips what has no picture
   bool export_passes = false;  // writes the textures that methods name on their way to passes/
+  bool buffers = false;        // the same, and there too what a view has before any method draws
   std::uint64_t memory_limit_bytes = default_memory_limit();
   bool resume = false;  // goes on from the finished pieces in the folder, if there are any
 };

@@ -9,12 +9,12 @@
 #include "core/progress.h"
 #include "experiment/mesh_checks.h"
 #include "scene/builtin.h"
-#include "scene/characters.h"
 
 namespace truescatter {
 namespace {
 
 constexpr std::size_t kResidualSamples = 20000;
+constexpr std::string_view kHeadRegions = "builtin:head";
 
 bool is_builtin(const SceneSpec& scene) { return scene.mesh.starts_with(kBuiltinPrefix); }
 
@@ -122,19 +122,19 @@ Image load_texture(const ExperimentSpec& spec, bool has_uvs, const TextureKey& t
                    Image (*read)(const std::filesystem::path&)) {
   if (texture.path.empty()) return {};
   if (!has_uvs) {
-    throw_input_error(texture.where, "'scene.{}' is a texture in UV, but {} has no UVs", texture.key,
+    throw_input_error(texture.where, "'{}' is a texture in UV, but {} has no UVs", texture.key,
                       spec.scene.mesh);
   }
   const std::filesystem::path path = resolve_path(spec, texture.path, texture.where);
   Image image = read(path);
   if (image.channels() < channels) {
-    throw_input_error(texture.where, "'scene.{}' needs red, green and blue, but {} has {} channel{}",
-                      texture.key, path.string(), image.channels(), image.channels() == 1 ? "" : "s");
+    throw_input_error(texture.where, "'{}' needs red, green and blue, but {} has {} channel{}", texture.key,
+                      path.string(), image.channels(), image.channels() == 1 ? "" : "s");
   }
   const auto is_finite = [](float value) { return std::isfinite(value); };
   if (!std::all_of(image.data().begin(), image.data().end(), is_finite)) {
-    throw_input_error(texture.where, "'scene.{}' must be finite, but {} holds a value that is not",
-                      texture.key, path.string());
+    throw_input_error(texture.where, "'{}' must be finite, but {} holds a value that is not", texture.key,
+                      path.string());
   }
   return image;
 }
@@ -147,13 +147,14 @@ SkinMask load_mask(const ExperimentSpec& spec, bool has_uvs, const TextureKey& t
 }
 
 SkinMask load_skin_mask(const ExperimentSpec& spec, bool has_uvs) {
-  return load_mask(spec, has_uvs, {"skin_mask", spec.scene.skin_mask, spec.scene.skin_mask_where});
+  return load_mask(spec, has_uvs, {"scene.skin_mask", spec.scene.skin_mask, spec.scene.skin_mask_where});
 }
 
 // White on what transmits, of the skin.
 SkinMask load_transmitter_mask(const ExperimentSpec& spec, bool has_uvs) {
-  return load_mask(spec, has_uvs,
-                   {"transmitter_mask", spec.scene.transmitter_mask, spec.scene.transmitter_mask_where});
+  return load_mask(
+      spec, has_uvs,
+      {"scene.transmitter_mask", spec.scene.transmitter_mask, spec.scene.transmitter_mask_where});
 }
 
 // By the centroids of the triangles, which are not cut along this mask.
@@ -164,7 +165,7 @@ void mark_transmitters(ShadingMesh& shading, const SkinMask& mask) {
 
 Image load_normal_image(const ExperimentSpec& spec, bool has_uvs) {
   const SceneSpec& scene = spec.scene;
-  return load_texture(spec, has_uvs, {"normal_map", scene.normal_map, scene.normal_map_where}, 3,
+  return load_texture(spec, has_uvs, {"scene.normal_map", scene.normal_map, scene.normal_map_where}, 3,
                       read_as_stored);
 }
 
@@ -179,13 +180,55 @@ NormalMap load_normal_map(const ExperimentSpec& spec, const Mesh& mesh) {
 UvTexture load_albedo(const ExperimentSpec& spec, bool has_uvs) {
   const SceneSpec& scene = spec.scene;
   if (scene.albedo.empty()) return {};
-  Image image = load_texture(spec, has_uvs, {"albedo", scene.albedo, scene.albedo_where}, 3,
+  Image image = load_texture(spec, has_uvs, {"scene.albedo", scene.albedo, scene.albedo_where}, 3,
                              [](const std::filesystem::path& path) { return read_linear_colours(path); });
   if (std::any_of(image.data().begin(), image.data().end(), [](float value) { return value < 0.0F; })) {
     throw_input_error(scene.albedo_where, "'scene.albedo' must not be negative, but {} holds such a value",
                       scene.albedo);
   }
   return UvTexture(std::move(image));
+}
+
+// Gloss in UV, as the walkthrough has it: intensity in red, roughness in the last channel, alpha.
+UvTexture load_regions(const ExperimentSpec& spec, bool has_uvs) {
+  const CompositeSpec& composite = *spec.composite;
+  if (composite.regions.empty()) return {};
+  if (composite.regions.starts_with(kBuiltinPrefix)) {
+    if (composite.regions == kHeadRegions && spec.scene.mesh == kHeadRegions) return {};
+    throw_input_error(
+        composite.regions_where,
+        "'composite.regions' is \"{}\": there are built-in regions of \"{}\" alone, on that mesh",
+        composite.regions, kHeadRegions);
+  }
+  Image image = load_texture(spec, has_uvs, {"composite.regions", composite.regions, composite.regions_where},
+                             1, read_as_stored);
+  if (image.channels() != 2 && image.channels() != 4) {
+    throw_input_error(
+        composite.regions_where,
+        "'composite.regions' needs intensity in red and roughness in alpha, but {} has {} channel{}",
+        composite.regions, image.channels(), image.channels() == 1 ? "" : "s");
+  }
+  return UvTexture(std::move(image));
+}
+
+std::vector<Light> lights_of(const ExperimentSpec& spec) {
+  std::vector<Light> lights;
+  for (const LightSpec& light : spec.lights) lights.push_back(light_of(spec, light));
+  return lights;
+}
+
+SceneReflection reflection_of(const ExperimentSpec& spec, const PreparedScene& scene,
+                              const std::vector<Light>& lights, const NormalMap& normal_map) {
+  SceneReflection reflection{lights, {}, normal_map, {}};
+  if (spec.composite) reflection.regions = load_regions(spec, scene.mesh.has_uvs());
+  for (const Light& light : lights) {
+    if (light.kind != LightKind::environment) continue;
+    const bool all = lights.size() == 1 && spec.scene.albedo_exponent_before() == 0.0;
+    reflection.occluded.push_back(
+        all || !light.shadows ? CornerIrradiance{}
+                              : corner_irradiance(scene.shading, Lighting(scene.mesh, {light}, normal_map)));
+  }
+  return reflection;
 }
 
 RefinementSettings refinement_of(const ExperimentSpec& spec) {
@@ -208,13 +251,13 @@ PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void
                          ? spec.scene.mesh
                          : resolve_path(spec, spec.scene.mesh, spec.scene.mesh_where).string()};
   if (scene.mesh.has_uvs()) scene.uvs = inspect_uvs(scene.mesh);  // of one character: all have the same
-  if (!spec.scene.characters.empty()) scene.mesh = place_characters(scene.mesh, places_of(spec.scene));
+  scene.places = places_of(spec.scene);
+  if (!scene.places.empty()) scene.mesh = place_characters(scene.mesh, scene.places);
   admit(scene.mesh);
   scene.albedo = load_albedo(spec, scene.mesh.has_uvs());
   const SkinMask mask = load_skin_mask(spec, scene.mesh.has_uvs());
   const SkinMask transmitters = load_transmitter_mask(spec, scene.mesh.has_uvs());
-  std::vector<Light> lights;
-  for (const LightSpec& light : spec.lights) lights.push_back(light_of(spec, light));
+  const std::vector<Light> lights = lights_of(spec);
   const NormalMap normal_map = load_normal_map(spec, scene.mesh);
   const SurfaceAlbedo albedo(scene.albedo, spec.scene.albedo_exponent_before());
   const Lighting lighting(scene.mesh, lights, normal_map, albedo);
@@ -226,6 +269,8 @@ PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void
   mark_transmitters(scene.shading, transmitters);
   scene.shading.residual = measure_residual(scene.shading, lighting, kResidualSamples, spec.truth.seed);
   scene.lights = light_fields(scene.shading, scene.mesh, lights, normal_map, albedo);
+  if (spec.composite && spec.composite->specular)
+    scene.reflection = reflection_of(spec, scene, lights, normal_map);
   scene.largest_irradiance = largest_skin_irradiance(scene.shading);
   if (scene.shading.component_count == 0)
     throw_input_error(spec.scene.skin_mask_where, "the mask leaves no skin");
@@ -233,6 +278,10 @@ PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void
     throw_input_error({spec.file.string()}, "no light reaches the skin: every irradiance is 0");
   }
   return scene;
+}
+
+SceneReflection prepare_reflection(const ExperimentSpec& spec, const PreparedScene& scene) {
+  return reflection_of(spec, scene, lights_of(spec), load_normal_map(spec, scene.mesh));
 }
 
 SceneOutline check_scene(const ExperimentSpec& spec) {
@@ -260,6 +309,7 @@ SceneOutline check_scene(const ExperimentSpec& spec) {
   load_transmitter_mask(spec, outline.has_uvs);
   load_normal_image(spec, outline.has_uvs);
   load_albedo(spec, outline.has_uvs);
+  if (spec.composite) load_regions(spec, outline.has_uvs);
   for (const LightSpec& light : spec.lights) light_of(spec, light);
   return outline;
 }

@@ -10,6 +10,7 @@
 #include "irradiance/light_fields.h"
 #include "irradiance/shading_mesh.h"
 #include "scene/camera.h"
+#include "scene/characters.h"
 #include "scene/load_mesh.h"
 #include "scene/mesh.h"
 #include "scene/uv_texture.h"
@@ -17,6 +18,17 @@
 #include "truth/surface.h"
 
 namespace truescatter {
+
+// What the reflection off a scene's surfaces depends on beside its irradiance.
+struct SceneReflection {
+  std::vector<Light> lights;
+  // Of each environment among them its irradiance with occlusion, without albedo; empty: all that the mesh
+  // has, or no occlusion was asked for.
+  std::vector<CornerIrradiance> occluded;
+  NormalMap normal_map;
+  UvTexture
+      regions;  // intensity and roughness, as the walkthrough's map has them; empty where no file is named
+};
 
 // A scene ready to be rendered and convolved.
 struct PreparedScene {
@@ -26,7 +38,9 @@ struct PreparedScene {
   std::vector<LightField> lights;   // of `shading`
   double largest_irradiance = 0.0;  // of the skin's corners: the unit of tolerances
   std::optional<UvReport> uvs;
-  UvTexture albedo;  // linear RGB; empty where there is none
+  UvTexture albedo;                           // linear RGB; empty where there is none
+  std::vector<CharacterPlace> places;         // of its characters; empty: one, where its file has it
+  std::optional<SceneReflection> reflection;  // where specular light is asked for
 };
 
 // Loads or generates the mesh, lights it and refines it into the shading mesh.
@@ -36,6 +50,11 @@ struct PreparedScene {
 // `admit` is told of the mesh before it is lit; what it throws is passed on.
 PreparedScene prepare_scene(
     const ExperimentSpec& spec, const std::function<void(const Mesh&)>& admit = [](const Mesh&) {});
+
+// What reflection depends on, for a scene that was prepared without it. Reads lights and textures again, and
+// lights the mesh again by each environment with occlusion. Throws the Errors that prepare_scene gives for
+// them.
+SceneReflection prepare_reflection(const ExperimentSpec& spec, const PreparedScene& scene);
 
 // What a scene is known to be before it is generated, lit and refined.
 struct SceneOutline {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
 #include <cmath>
 #include <list>
 #include <map>
@@ -13,6 +12,7 @@
 #include "core/image_io.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "core/stopwatch.h"
 #include "experiment/draw_method.h"
 #include "experiment/frame_files.h"
 #include "experiment/ladder.h"
@@ -27,6 +27,8 @@
 #include "experiment/result_json.h"
 #include "experiment/stability.h"
 #include "experiment/uv_view.h"
+#include "experiment/view_buffers.h"
+#include "experiment/view_composite.h"
 #include "experiment/view_truth.h"
 #include "gpu/timer.h"
 #include "metrics/contours.h"
@@ -57,11 +59,10 @@ struct DrawnView {
 
 Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Method& method,
                        const DrawnView& view) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
+  const Stopwatch watch;
   const PreparedMethod prepared = method.prepare(inputs);
   setup.context.finish();
-  const double setup_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  const double setup_ms = watch.milliseconds();
   Passes passes(setup.context);
   const Passes::Counts counts = passes.count([&] { prepared.render(passes); });
   const gpu::FrameTimes times = gpu::time_frames(
@@ -111,9 +112,9 @@ json color_bar_json(const Camera& camera) {
 
 // Views of one camera differ in size alone.
 json camera_json(const ViewSpec& view) {
-  return {{"eye_mm", rgb_json(view.eye_mm)},
-          {"target_mm", rgb_json(view.target_mm)},
-          {"up", rgb_json(view.up)},
+  return {{"eye_mm", vector_json(view.eye_mm)},
+          {"target_mm", vector_json(view.target_mm)},
+          {"up", vector_json(view.up)},
           {"fov_deg", view.fov_deg}};
 }
 
@@ -167,6 +168,12 @@ struct ViewedModel {
   Image mask;  // the pixels that are measured against it, and against the headline
 };
 
+// The truth as a person sees it.
+struct SeenTruth {
+  Image picture;  // of the display, linear
+  FlipReference flip;
+};
+
 // What every method is compared with under one profile.
 struct Comparison {
   const Profile& profile;
@@ -174,6 +181,7 @@ struct Comparison {
   const FlipReference& flip;
   const HdrFlipReference& flip_hdr;
   const ViewedModel* model;  // null where the profile approximates nothing
+  const SeenTruth* seen;     // null without [composite]
 };
 
 // What of the albedo comes after the scattering, a^exponent, behind every pixel; empty without one.
@@ -216,9 +224,13 @@ class ViewRunner {
   void run() {
     if (truth_.points().size() == 0)
       throw_input_error({setup_.spec.file.string()}, "view '{}' sees no skin", name_);
-    if (!is_kept({Piece::Kind::view, name_})) keep_view();
+    const bool view_kept = is_kept({Piece::Kind::view, name_});
     const bool all_kept = std::all_of(setup_.plan.profiles.begin(), setup_.plan.profiles.end(),
                                       [&](const Profile& profile) { return is_kept(profile); });
+    if (view_kept && all_kept) return;
+    if (setup_.spec.composite)
+      composite_.emplace(*setup_.spec.composite, setup_.scene, setup_.context, frame_, images_, albedo_);
+    if (!view_kept) keep_view();
     if (all_kept) return;
     compute_truths();
     if (setup_.spec.metrics.leak) measure_leaks();
@@ -270,6 +282,12 @@ class ViewRunner {
       view["files"]["inputs"] = "inputs/" + name_ + ".exr";
       view["files"]["camera"] = "inputs/" + name_ + ".json";
     }
+    if (setup_.buffers) {
+      view["files"]["buffers"] = write_view_buffers(
+          setup_.passes, name_,
+          {setup_.spec, setup_.scene, frame_, images_, composite_ ? &*composite_ : nullptr},
+          setup_.exposure(), setup_.origin);
+    }
     const Piece piece{Piece::Kind::view, name_};
     write_view_maps(setup_.pieces.picture(piece), {images_.irradiance, images_.mask, albedo_}, setup_.origin);
     setup_.pieces.keep(
@@ -319,14 +337,23 @@ class ViewRunner {
     const HdrFlipReference flip_hdr(headline.rgb, truths.headline().mask, known_light());
     const std::optional<ViewedModel> model = view_model(profile, truths.headline());
     const ViewedModel* of = model ? &*model : nullptr;
-    if (!is_kept(truth_piece(profile))) keep_truths(profile, truths, of);
+    const std::optional<SeenTruth> seen = see(headline.rgb);
+    if (!is_kept(truth_piece(profile))) keep_truths(profile, truths, of, seen ? &*seen : nullptr);
     for (const PlannedMethod& m : setup_.plan.methods) {
-      if (!is_kept(run_piece(profile, m.label))) keep_run(m, {profile, truths, flip, flip_hdr, of});
+      if (!is_kept(run_piece(profile, m.label)))
+        keep_run(m, {profile, truths, flip, flip_hdr, of, seen ? &*seen : nullptr});
       progress.advance();
     }
     for (const LadderSpec& ladder : setup_.plan.ladders) {
       if (!is_kept(ladder_piece(profile, ladder))) keep_ladder(ladder, profile, truths);
     }
+  }
+
+  std::optional<SeenTruth> see(const Image& truth) const {
+    if (!composite_) return std::nullopt;
+    Image picture = composite_->picture(truth);
+    FlipReference flip(picture, setup_.spec.composite->pixels_per_degree);
+    return SeenTruth{std::move(picture), std::move(flip)};
   }
 
   ProfileTruths assemble(const Profile& profile) {
@@ -382,8 +409,9 @@ class ViewRunner {
     return target.transmittance ? std::min(sampled, all) : all;
   }
 
-  void keep_truths(const Profile& profile, const ProfileTruths& truths, const ViewedModel* model) {
-    json kept = {{"truths", truths_json(profile, truths)},
+  void keep_truths(const Profile& profile, const ProfileTruths& truths, const ViewedModel* model,
+                   const SeenTruth* seen) {
+    json kept = {{"truths", truths_json(profile, truths, seen)},
                  {"fit_errors", json::array()},
                  {"light_paths", json::array()}};
     if (setup_.spec.truth.light_paths > 0) kept["light_paths"].push_back(light_paths_json(profile));
@@ -392,7 +420,7 @@ class ViewRunner {
   }
 
   // The truths of a profile's Gaussians, the headline's pictures written.
-  json truths_json(const Profile& profile, const ProfileTruths& truths) {
+  json truths_json(const Profile& profile, const ProfileTruths& truths, const SeenTruth* seen) {
     const std::string stem = truth_piece(profile).stem();
     json all = json::array();
     for (const ViewedTruth& viewed : truths.all) {
@@ -406,13 +434,20 @@ class ViewRunner {
         truth["visibility_bound"] = {{"rms", bound.rms}, {"max", bound.max}};
       }
       truth["low_mass_pixels"] = points_of(viewed.planned.target) - skin_pixels(viewed.mask);
-      if (viewed.planned.is_headline())
+      if (viewed.planned.is_headline()) {
         truth["files"] = {{"picture", "maps/" + stem + ".png"}, {"exr", "maps/" + stem + ".exr"}};
+        if (seen != nullptr) truth["files"]["composite"] = "maps/" + composite_file(stem);
+      }
       all.push_back(truth);
     }
     const TruthImage& headline = truths.headline().image;
     write_truth_maps(setup_.pieces.maps() / (stem + ".exr"),
-                     {headline.rgb, headline.smallest_mass, images_.irradiance, images_.mask, {}},
+                     {headline.rgb,
+                      headline.smallest_mass,
+                      images_.irradiance,
+                      images_.mask,
+                      {},
+                      seen != nullptr ? seen->picture : Image()},
                      setup_.origin);
     return all;
   }
@@ -447,8 +482,12 @@ class ViewRunner {
     put_distinguishable(fit, itself.certificate.uncertainty() + headline.image.certificate.uncertainty());
     kept["fit_errors"].push_back(fit);
     write_truth_maps(setup_.pieces.maps() / (stem + ".exr"),
-                     {itself.rgb, itself.smallest_mass, images_.irradiance, images_.mask,
-                      signed_error(headline.image.rgb, itself.rgb, images_.mask)},
+                     {itself.rgb,
+                      itself.smallest_mass,
+                      images_.irradiance,
+                      images_.mask,
+                      signed_error(headline.image.rgb, itself.rgb, images_.mask),
+                      {}},
                      setup_.origin);
   }
 
@@ -693,15 +732,26 @@ class ViewRunner {
         {"headline_metrics", error_stats_json(exitance, against.truths.headline().image.rgb, truth.mask)}};
   }
 
+  // Its files, and what of its error is visible.
   void add_maps(json& run, const std::string& stem, const Image& exitance, const Comparison& against) const {
     run["files"] = {{"picture", "maps/" + stem + ".png"},
                     {"magnitude", "maps/" + stem + ".abs.png"},
                     {"signed", "maps/" + stem + ".signed.png"},
                     {"exr", "maps/" + stem + ".exr"}};
     const auto error_from = [&](const Image& truth) { return signed_error(exitance, truth, images_.mask); };
+    Image composite;
+    Image visible;
+    if (against.seen != nullptr) {
+      composite = composite_->picture(exitance);
+      visible = against.seen->flip.map(composite);
+      run["metrics"]["visible"] = visible_json(visible, against.truths.headline().mask);
+      run["files"]["composite"] = "maps/" + composite_file(stem);
+      run["files"]["visible"] = "maps/" + visible_file(stem);
+    }
     write_run_maps(setup_.pieces.maps() / (stem + ".exr"),
                    {exitance, error_from(against.truths.headline().image.rgb), images_.mask,
-                    against.model == nullptr ? Image() : error_from(against.model->truth.normalised.rgb)},
+                    against.model == nullptr ? Image() : error_from(against.model->truth.normalised.rgb),
+                    composite, visible},
                    setup_.origin);
   }
 
@@ -719,8 +769,9 @@ class ViewRunner {
   ContourMap contours_;
   std::optional<LightPathSample> light_paths_;
   std::pair<const Profile*, double> light_paths_of_;
-  std::optional<UvView> uv_view_;  // where the seam's metrics were asked for and the mesh has UVs
-  Image albedo_;                   // what of it comes after the scattering; empty where nothing does
+  std::optional<UvView> uv_view_;           // where the seam's metrics were asked for and the mesh has UVs
+  Image albedo_;                            // what of it comes after the scattering; empty where nothing does
+  std::optional<ViewComposite> composite_;  // with [composite]
 };
 
 // Whether all that ViewRunner would do is done.

@@ -24,6 +24,7 @@ struct Setup {
   const ImageTexts& origin;           // of pictures (see picture_origin)
   std::filesystem::path inputs = {};  // the folder for what methods are given; empty: it is not written
   std::filesystem::path passes = {};  // the folder for the textures that methods name; the same
+  bool buffers = false;               // what a view has before any method draws is written there too
 
   double exposure() const { return 1.0 / scene.largest_irradiance; }
 };

@@ -104,6 +104,8 @@ class Passes {
   // name.
   void show(const gpu::Texture& texture, const std::string& name, std::string_view channels,
             std::string_view shows);
+  // Whether what is shown is taken: what is drawn only to be shown is drawn then alone.
+  bool recording() const { return static_cast<bool>(take_); }
   // Hands what `work` names on to `take`, one texture after the other, as each is drawn.
   using Take = std::function<void(const NamedTexture&)>;
   void record(const std::function<void()>& work, const Take& take);

@@ -102,6 +102,25 @@ void LinearSum::add(Passes& passes, const Frame& frame, const LightLayer& layer,
       true);
 }
 
+void show_filter_geometry(Passes& passes, const Frame& frame, double r_max_mm) {
+  if (!passes.recording()) return;
+  const Target target(passes.context(), frame.camera.width_px, frame.camera.height_px, gpu::Format::rg32f);
+  const auto show = [&](const std::vector<std::string>& defines, const char* name, const char* shows) {
+    passes.draw(PassProgram::of_pieces(passes.context(), {}, {"filter_geometry.glsl", "filter_geometry.frag"},
+                                       defines),
+                target, [&](const gpu::Program& program) {
+                  program.set("position", frame.position, 0);
+                  program.set("normal", frame.normal, 1);
+                  program.set("irradiance", frame.irradiance, 2);
+                  program.set("r_max_mm", r_max_mm);
+                  program.set("focal_px", frame.camera.focal_px());
+                });
+    passes.show(target.texture, name, "xy", shows);
+  };
+  show({}, "extent", "d', the extent of the filter's disc along x and y, px");
+  show({"SCALE"}, "scale", "K along x and y, mm per px");
+}
+
 void check_reach(const MethodInputs& inputs, std::string_view method, const std::vector<DenseTerm>& terms) {
   double reach_mm = 0.0;
   for (const DenseTerm& term : terms) reach_mm = std::max(reach_mm, term.reach_mm);

@@ -65,6 +65,10 @@ class LinearSum {
   PassProgram program_;
 };
 
+// While recording, names what bounds a filter at every pixel of the frame: "extent", d' along x and y in
+// pixels, and "scale", K in mm per pixel (filter_geometry.frag).
+void show_filter_geometry(Passes& passes, const Frame& frame, double r_max_mm);
+
 // How many pixels a dense sum can take: Mesa's software rasteriser leaves a shader's loops after 65535 turns
 // in all, without a word. What is beyond this is for the loops over rows and cells.
 inline constexpr double kMostPixels = 60000.0;

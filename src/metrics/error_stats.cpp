@@ -5,15 +5,11 @@
 #include <limits>
 
 namespace truescatter {
-namespace {
 
-// `sorted` is ascending and not empty.
 double quantile(const std::vector<double>& sorted, double share) {
   const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
   return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
 }
-
-}  // namespace
 
 std::string_view name_of(Quantity quantity) {
   static constexpr std::array<std::string_view, 4> kNames = {"luminance", "r", "g", "b"};

@@ -35,6 +35,9 @@ struct ErrorStats {
 // three channels. Without a pixel every value is NaN.
 ErrorStats error_stats(const Image& test, const Image& truth, const Image& mask, Quantity quantity);
 
+// The smallest of some values, ascending and not none, that at least the share of them does not exceed.
+double quantile(const std::vector<double>& sorted, double share);
+
 // test - truth per channel inside the mask, 0 outside.
 Image signed_error(const Image& test, const Image& truth, const Image& mask);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "metrics/error_stats.h"
 
 namespace truescatter {
 namespace {
@@ -363,6 +364,20 @@ Image HdrFlipReference::map(const Image& test) const {
                    [](float a, float b) { return std::max(a, b); });
   }
   return largest;
+}
+
+VisibleDifference visible_difference(const Image& flip_map, const Image& mask) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < mask.pixel_count(); ++i) {
+    if (mask.data()[i] != 0.0F) values.push_back(flip_map.data()[i]);
+  }
+  if (values.empty()) return {kNan, kNan, kNan, kNan};
+  std::sort(values.begin(), values.end());
+  const auto share_above = [&](double limit) {
+    const auto above = values.end() - std::upper_bound(values.begin(), values.end(), limit);
+    return static_cast<double>(above) / static_cast<double>(values.size());
+  };
+  return {mean_inside(flip_map, mask), quantile(values, 0.95), share_above(0.05), share_above(0.1)};
 }
 
 double mean_inside(const Image& map, const Image& mask) {

@@ -87,6 +87,15 @@ class HdrFlipReference {
   std::vector<FlipReference> kept_;  // of the first exposures
 };
 
+// How far a difference is visible, of a FLIP map over the pixels where the mask is not 0; NaN without one.
+struct VisibleDifference {
+  double mean = 0.0;
+  double p95 = 0.0;        // 95 % quantile (error_stats.h)
+  double above_005 = 0.0;  // share of pixels above 0.05
+  double above_01 = 0.0;   // and above 0.1
+};
+VisibleDifference visible_difference(const Image& flip_map, const Image& mask);
+
 // The mean of a map over the pixels where the mask is not 0; NaN without one.
 double mean_inside(const Image& map, const Image& mask);
 

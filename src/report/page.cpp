@@ -24,10 +24,11 @@ std::string page_file(std::string_view name) {
 std::string all_scripts() {
   std::string text;
   for (const char* name :
-       {"base.js",     "data.js",    "sort.js",   "chart.js", "labels.js", "svg_chart.js", "plotly_chart.js",
-        "summary.js",  "scatter.js", "pareto.js", "halo.js",  "seam.js",   "values.js",    "inspect.js",
-        "pictures.js", "viewer.js",  "fit.js",    "terms.js", "sweep.js",  "paths.js",     "tables.js",
-        "ladder.js",   "details.js", "state.js",  "hover.js", "keys.js",   "report.js"}) {
+       {"base.js",         "data.js",    "sort.js",    "chart.js",    "labels.js",  "svg_chart.js",
+        "plotly_chart.js", "summary.js", "seen.js",    "scatter.js",  "pareto.js",  "halo.js",
+        "seam.js",         "values.js",  "inspect.js", "pictures.js", "buffers.js", "viewer.js",
+        "fit.js",          "terms.js",   "sweep.js",   "paths.js",    "tables.js",  "ladder.js",
+        "details.js",      "state.js",   "hover.js",   "keys.js",     "report.js"}) {
     text += page_file(name);
   }
   return text;

@@ -149,23 +149,36 @@ std::vector<std::string> picture_paths(const json& results, const std::filesyste
     }
   };
   add_group(results, "views", {"irradiance"});
-  add_group(results, "truths", {"picture"});
-  add_group(results, "runs", {"picture", "magnitude", "signed"});
+  add_group(results, "truths", {"picture", "composite"});
+  add_group(results, "runs", {"picture", "magnitude", "signed", "composite", "visible"});
   for (const json& ladder : results.value("ladders", json::array())) add_group(ladder, "rungs", {"signed"});
   return paths;
 }
 
-json embedded_pictures(const std::filesystem::path& folder, const std::vector<std::string>& paths,
-                       int max_width_px) {
-  std::vector<Picture> pictures(paths.size());
-  parallel_for(paths.size(),
-               [&](std::size_t i) { pictures[i] = load_picture(folder / paths[i], i, max_width_px); });
+std::vector<std::string> buffer_paths(const json& results, const std::filesystem::path& results_file) {
+  std::vector<std::string> paths;
+  const auto add = [&](const char* group, const char* key) {
+    for (const json& item : results.value(group, json::array())) {
+      for (const json& buffer : item.value("files", json::object()).value(key, json::array()))
+        add_inner_path(buffer.value("png", json()), results_file, paths);
+    }
+  };
+  add("views", "buffers");
+  add("runs", "passes");
+  return paths;
+}
+
+json embedded_pictures(const std::filesystem::path& folder, const std::vector<PagePicture>& wanted) {
+  std::vector<Picture> pictures(wanted.size());
+  parallel_for(wanted.size(), [&](std::size_t i) {
+    pictures[i] = load_picture(folder / wanted[i].path, i, wanted[i].max_width_px);
+  });
   json result = {{"files", json::object()}, {"data", json::array()}};
   std::map<std::string, std::size_t> known;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
     const auto [entry, is_new] = known.try_emplace(pictures[i].uri, known.size());
     if (is_new) result["data"].push_back(pictures[i].uri);
-    result["files"][paths[i]] = {
+    result["files"][wanted[i].path] = {
         {"data", entry->second}, {"width", pictures[i].width}, {"height", pictures[i].height}};
   }
   return result;

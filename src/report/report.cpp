@@ -20,6 +20,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxPictureWidthPx = 640;
+constexpr int kMaxBufferWidthPx = 200;
 // The whole page is to stay below 40 MB; its pictures take the rest.
 constexpr std::size_t kMaxValueBytes = 24'000'000;
 
@@ -44,7 +45,10 @@ void write_report(const std::filesystem::path& folder) {
   try {
     const json results = read_results(folder);
     const JobLimit limit(jobs_within(most_pixels(results) * kPictureJobBytes, job_count()));
-    const json pictures = embedded_pictures(folder, picture_paths(results, file), kMaxPictureWidthPx);
+    std::vector<PagePicture> wanted;
+    for (const std::string& path : picture_paths(results, file)) wanted.push_back({path, kMaxPictureWidthPx});
+    for (const std::string& path : buffer_paths(results, file)) wanted.push_back({path, kMaxBufferWidthPx});
+    const json pictures = embedded_pictures(folder, wanted);
     const json values = embedded_values(folder, results, kMaxValueBytes);
     write_text_file(folder / "report.html",
                     make_page({html_escaped(title_of(results)), script_block_json(results.dump()),

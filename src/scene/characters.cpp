@@ -5,9 +5,12 @@
 namespace truescatter {
 namespace {
 
+Mat3d turn_of(const CharacterPlace& place) {
+  return Eigen::AngleAxisd(place.rotation_deg * kPi / 180.0, Vec3d::UnitY()).toRotationMatrix();
+}
+
 void append(const Mesh& one, const CharacterPlace& place, Mesh& all) {
-  const Eigen::Matrix3d turn =
-      Eigen::AngleAxisd(place.rotation_deg * kPi / 180.0, Vec3d::UnitY()).toRotationMatrix();
+  const Mat3d turn = turn_of(place);
   const auto first_vertex = static_cast<int>(all.positions_mm.size());
   for (const Vec3d& p : one.positions_mm) all.positions_mm.emplace_back(turn * p + place.position_mm);
   for (std::array<int, 3> triangle : one.triangles) {
@@ -21,6 +24,10 @@ void append(const Mesh& one, const CharacterPlace& place, Mesh& all) {
 }
 
 }  // namespace
+
+Vec3d to_own_coordinates(const CharacterPlace& place, const Vec3d& world_mm) {
+  return turn_of(place).transpose() * (world_mm - place.position_mm);
+}
 
 Mesh place_characters(const Mesh& one, std::span<const CharacterPlace> places) {
   assert(one.characters == 1 && !places.empty());

@@ -13,6 +13,7 @@ class UvTexture {
   explicit UvTexture(Image image);
 
   bool empty() const { return image_.empty(); }
+  int channels() const { return image_.channels(); }
   // Bilinear reading: a texel's value stands at its centre.
   double value(const Vec2d& uv, int channel) const;
   // The first three channels, which there must be.

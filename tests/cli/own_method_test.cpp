@@ -352,10 +352,13 @@ TEST_F(OwnShader, PassesAreExportedAsTheyAreDrawn) {
   EXPECT_EQ(text("out/" + passes[0]["png"].get<std::string>()),
             text("out/maps/front.spike-and-base.mine.png"));
 
-  // The profile's spike and one level: w_0 I + w_1 level is the method's picture.
+  // Its geometry, the profile's spike and one level: w_0 I + w_1 level is the method's picture.
   const Json& levels = run_of(results, "pscbf")["files"]["passes"];
-  ASSERT_EQ(levels.size(), 1U);
-  const Image level = read_rgb(out / levels[0]["exr"].get<std::string>());
+  ASSERT_EQ(levels.size(), 3U);
+  EXPECT_EQ(levels[0]["name"], "extent");
+  EXPECT_EQ(levels[1]["name"], "scale");
+  EXPECT_EQ(levels[2]["name"], "level");
+  const Image level = read_rgb(out / levels[2]["exr"].get<std::string>());
   const Image plain = exitance("none");
   const Image blurred = exitance("pscbf");
   const Json& profile = results["profiles"][0];

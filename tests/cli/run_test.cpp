@@ -215,7 +215,7 @@ TEST_F(CliRun, WeightsAboveOneMultiplyTheUncertainty) {
   EXPECT_DOUBLE_EQ(truth.at("uncertainty").get<double>(), 3.0 * of_a_layer);
 }
 
-// DESIGN section 4.
+// The contract of README, Commands.
 TEST_F(CliRun, WritesEveryFileWithTheDocumentedKeys) {
   const ProgramResult result = run(kTiny);
   ASSERT_EQ(result.exit_code, 0) << result.err;

@@ -421,7 +421,7 @@ TEST_F(CliTruth, RefusesWrongUsage) {
       {{{"--sigma", ""}}, "truescatter: --sigma or --fit is required\n"},
       {{{"--fit", "fit.json"}}, "--sigma and --fit contradict each other"},
       {{{"--sigma", ""}, {"--fit", "none.json"}}, "none.json: no such file"},
-      {{{"--sigma", ""}, {"--fit", "p.csv"}}, "p.csv:1:3: this is no JSON"},
+      {{{"--sigma", ""}, {"--fit", "p.csv"}}, "p.csv:1:3: this is not valid JSON"},
       {{{"--sigma", ""}, {"--fit", "tiny.json"}}, "tiny.json: variances[0] is 1e-20: it must be 1e-18"},
       {{{"--sigma", ""}, {"--fit", "heavy.json"}, {"--tolerance", "1e-9"}},
        "--tolerance: 1e-09 is out of reach: the fit's weights sum to 4 in magnitude"},

@@ -28,10 +28,9 @@ TEST(FitFile, IsRead) {
 TEST(FitFile, RefusesWhatIsBroken) {
   const test::TempDir folder;
   const std::vector<std::pair<std::string, std::string>> table = {
-      {"", "fit.json:1:1: this is no JSON: "},
-      {"{\"variances\": [1],\n \"weights\": [[1, 1 1]]}", "fit.json:2:20: this is no JSON: "},
-      {"{\"variances\": [1e999], \"weights\": [[1, 1, 1]]}",
-       "fit.json: this is no JSON that can be read: number"},
+      {"", "fit.json:1:1: this is not valid JSON: "},
+      {"{\"variances\": [1],\n \"weights\": [[1, 1 1]]}", "fit.json:2:20: this is not valid JSON: "},
+      {"{\"variances\": [1e999], \"weights\": [[1, 1, 1]]}", "fit.json: this is not valid JSON: number"},
       {"[1]", "fit.json: an object with the key \"variances\" is needed"},
       {"{\"weights\": [[1, 1, 1]]}", "fit.json: the key \"variances\" is missing"},
       {"{\"variances\": [1]}", "fit.json: the key \"weights\" is missing"},

@@ -221,6 +221,51 @@ TEST(Flip, OfNoiseAgreesWithThePlainVersion) {
   }
 }
 
+// What pictures of skin are made of: flat colour, straight and slanting edges, points as of a highlight;
+// moved, tinted and left out in the other picture.
+Image edges_points_and_flat_colour(bool other) {
+  Image image(36, 28, 3);
+  const Vec3d skin(0.55, 0.35, 0.28);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const bool right = x > (other ? 13 : 12);
+      const bool below = y + x / 3 > (other ? 25 : 24);
+      const Vec3d lit = right ? skin : Vec3d(0.1 * skin);
+      image.set_rgb(x, y, below ? Vec3d(0.2, 0.5, other ? 0.55 : 0.5) : lit);
+    }
+  }
+  image.set_rgb(20, 6, Vec3d::Ones());
+  image.set_rgb(other ? 27 : 26, 9, Vec3d::Ones());
+  if (!other) image.set_rgb(18, 12, Vec3d::Zero());
+  return image;
+}
+
+TEST(Flip, OfEdgesPointsAndFlatColourAgreesWithThePlainVersion) {
+  const Image a = edges_points_and_flat_colour(false);
+  const Image b = edges_points_and_flat_colour(true);
+  for (const double pixels_per_degree : {20.0, 67.0206}) {
+    const std::vector<double> expected =
+        Paper{a.width(), a.height(), pixels_per_degree}.flip(pixels(a), pixels(b));
+    const Image map = flip_map(a, b, pixels_per_degree);
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      ASSERT_NEAR(map.data()[i], expected[i], kRounding) << i << " at " << pixels_per_degree;
+    EXPECT_GT(*std::max_element(expected.begin(), expected.end()), 0.1);
+  }
+}
+
+TEST(VisibleDifference, CountsThePixelsOfTheMask) {
+  Image map(10, 10, 1);
+  Image mask(10, 10, 1, 1.0F);
+  for (std::size_t i = 0; i < 100; ++i) map.data()[i] = (static_cast<float>(i) + 0.25F) / 500.0F;
+  for (std::size_t i = 0; i < 20; ++i) mask.data()[i] = 0.0F;
+  const VisibleDifference difference = visible_difference(map, mask);
+  EXPECT_NEAR(difference.mean, (59.5 + 0.25) / 500.0, 1e-7);
+  EXPECT_NEAR(difference.p95, 95.25 / 500.0, 1e-7);       // the 76th of 80
+  EXPECT_NEAR(difference.above_005, 75.0 / 80.0, 1e-12);  // 25 to 99
+  EXPECT_NEAR(difference.above_01, 50.0 / 80.0, 1e-12);   // 50 to 99
+  EXPECT_TRUE(std::isnan(visible_difference(map, Image(10, 10, 1)).mean));
+}
+
 TEST(Flip, OfAPictureWithItselfIsZero) {
   const Image map = flip_map(noise(3), noise(3));
   for (const float v : map.data()) ASSERT_EQ(v, 0.0F);

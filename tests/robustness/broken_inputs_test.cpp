@@ -201,7 +201,7 @@ const Broken kBroken[] = {
      "0,0.1,0.1,0.1,1,1,1,1.4\n1,0.1,0.1,0.1,1,1,1,1.4\n",
      ":3: the layer above has no end, and layers follow"},
     // FIT.json
-    {"FitNoJson", Kind::fit, "f.json", "{\"variances\": [1,", ":1:18: this is no JSON: "},
+    {"FitNoJson", Kind::fit, "f.json", "{\"variances\": [1,", ":1:18: this is not valid JSON: "},
     {"FitWithoutWeights", Kind::fit, "f.json", "{\"variances\": [1]}", ": the key \"weights\" is missing"},
     {"FitFewerWeights", Kind::fit, "f.json", "{\"variances\": [1, 2], \"weights\": [[1, 1, 1]]}",
      ": weights has 1 rows and variances 2"},

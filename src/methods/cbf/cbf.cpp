@@ -34,6 +34,7 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const Vec3d delta_weight = inputs.profile.delta_weight;
 
   const auto render = [=, &frame](Passes& passes) {
+    show_filter_geometry(passes, frame, r_max);
     state->first.draw(passes, frame, delta_weight, state->result);
     for (const DenseTerm& term : state->terms)
       state->gather.add(passes, frame, {frame.position, frame.irradiance}, term, term.weight, r_max,

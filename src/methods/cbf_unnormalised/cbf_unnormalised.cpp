@@ -75,8 +75,11 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   };
 
   const auto render = [=, &frame](Passes& passes) {
+    show_filter_geometry(passes, frame, r_max);
     state->first.draw(passes, frame, delta_weight, state->result);
     state->weighted.draw(passes, frame);
+    passes.show(state->weighted.light(), "light", "RGBw",
+                "irradiance times the area weight w(p), and w(p), mm^2");
     const auto add_light_of = [&](const LightLayer& layer) {
       for (const DenseTerm& term : state->terms) {
         state->gather.add(
@@ -88,6 +91,9 @@ PreparedMethod prepare(const MethodInputs& inputs) {
     const gpu::Texture* previous = &frame.position;
     for (const Layer& layer : state->behind) {
       peel(passes, layer, *previous);
+      passes.show(layer.position.texture, "layer-position", "XYZ",
+                  "view-space position on the next layer behind, mm");
+      passes.show(layer.weighted.texture, "layer-light", "RGBw", "its irradiance times w(p), and w(p), mm^2");
       add_light_of({layer.position.texture, layer.weighted.texture});
       previous = &layer.position.texture;
     }

@@ -73,6 +73,7 @@ PreparedMethod prepare(const MethodInputs& inputs) {
 
   const auto render = [state, r_max, &frame, &profile](Passes& passes) {
     const ScreenResult& screen = state->screen;
+    show_filter_geometry(passes, frame, r_max);
     screen.start(passes, frame, profile.delta_weight);
     for (std::size_t i = 0; i < profile.terms.size(); ++i) {
       const TermTaps& term = state->terms[i];

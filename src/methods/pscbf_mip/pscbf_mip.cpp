@@ -74,6 +74,8 @@ struct State {
         program.set("axis", axis);
         program.set("gap_mm", gap_mm);
       });
+      passes.show(chain[level].texture, axis == 0 ? "mip-across" : "mip-down", "RGB",
+                  "irradiance on a mip map that knows of depth, halved along one axis");
     }
   }
 
@@ -119,6 +121,7 @@ PreparedMethod prepare(const MethodInputs& inputs) {
 
   const auto render = [state, &frame, &profile](Passes& passes) {
     const ScreenResult& screen = state->screen;
+    show_filter_geometry(passes, frame, state->r_max_mm);
     screen.start(passes, frame, profile.delta_weight);
     state->build(passes, frame, frame.irradiance, 0);
     for (std::size_t i = 0; i < profile.terms.size(); ++i) {

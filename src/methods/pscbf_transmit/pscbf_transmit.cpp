@@ -68,6 +68,9 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const auto render = [state, r_max, &frame, &profile, &surface](Passes& passes) {
     state->local.render(passes);
     draw_back(passes, *state, frame, surface);
+    passes.show(state->back_surface.texture, "back-surface", "xyzd",
+                "unit normal of the back faces, and d, their z in mm, view space");
+    passes.show(state->back_light.texture, "back-light", "RGB", "irradiance of the back faces");
     for (std::size_t i = 0; i < profile.terms.size(); ++i) {
       passes.draw(
           state->gather, state->result,

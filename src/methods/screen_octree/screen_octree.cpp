@@ -120,6 +120,12 @@ PreparedMethod prepare(const MethodInputs& inputs) {
   const SurfaceBuffers& surface = inputs.surface;
   const auto render = [state, &frame, &surface](Passes& passes) {
     draw_buffers(passes, *state, frame, surface);
+    passes.show(state->front_weighted.texture, "front-light", "RGBw",
+                "irradiance times the area weight w(p), and w(p), mm^2");
+    passes.show(state->back_position_target.texture, "back-position", "XYZ",
+                "view-space position on the farthest surface, mm");
+    passes.show(state->back_weighted_target.texture, "back-light", "RGBw",
+                "its irradiance times w(p), and w(p), mm^2");
     state->output.upload(gathered(*state, passes.context(), frame));
   };
   return {render, &state->output};

@@ -3,8 +3,12 @@
 const KINDS = [
   {value: "picture", text: "Rendered"}, {value: "magnitude", text: "|Error|"},
   {value: "signed", text: "Signed error"}, {value: "irradiance", text: "Irradiance"},
-  {value: "false", text: "False colour"}
+  {value: "false", text: "False colour"},
+  ...(runs.some((run) => (run.files || {}).composite) ?
+          [{value: "composite", text: "As seen"}, {value: "visible", text: "Visible difference"}] :
+          [])
 ];
+const COLUMN_KINDS = ["picture", "magnitude", "signed", "composite", "visible"];
 
 // Each picture is held once in the page; the object URL is made when it is first shown.
 const objectUrls = new Map();
@@ -22,9 +26,12 @@ function pictureUrl(path) {
 function pictureOf(c, source, kind) {
   const view = viewOf(c.view);
   if (kind === "irradiance" || source === "irradiance") return {path: (view.files || {}).irradiance};
-  if (source === "truth") return {path: ((c.truth || {}).files || {}).picture};
+  if (source === "truth") {
+    const files = (c.truth || {}).files || {};
+    return {path: ["composite", "visible"].includes(kind) ? files.composite : files.picture};
+  }
   const run = c.all.find((r) => r.label === source) || {};
-  return {path: (run.files || {})[kind], isMap: kind !== "picture"};
+  return {path: (run.files || {})[kind], isMap: !["picture", "composite"].includes(kind)};
 }
 
 function viewAspect(c) {
@@ -52,9 +59,10 @@ function barStyle(bar, path) {
 function colourBar(c, kind) {
   const run = c.runs.find((r) => pictures.files[(r.files || {})[kind]]);
   const maps = results.maps || {}, bar = viewOf(c.view).color_bar;
-  if (!run || !isNumber(maps.range) || !bar || !bar.width_px) return null;
-  const ends = kind === "signed" ? [MINUS + maps.range, "0", "+" + maps.range] :
-                                   ["0", String(maps.range / 2), String(maps.range)];
+  const range = kind === "visible" ? maps.visible_range : maps.range;
+  if (!run || !isNumber(range) || !bar || !bar.width_px) return null;
+  const ends = kind === "signed" ? [MINUS + range, "0", "+" + range] :
+                                   ["0", String(range / 2), String(range)];
   return h(
       "span", {class: "colour-bar"}, h("span", {class: "ramp", style: barStyle(bar, run.files[kind])}),
       h("span", {class: "ends"}, ends.map((end) => h("span", {}, end))));
@@ -81,7 +89,7 @@ function methodColumn(c, run) {
   return h(
       "div", {class: "column"},
       h("div", {class: "column-head"}, methodName(run.label), h("b", {}, errorText(run))),
-      ["picture", "magnitude", "signed"].map(
+      COLUMN_KINDS.filter((kind) => KINDS.some((k) => k.value === kind)).map(
           (kind) => sheetPicture(
               c, run.label, kind,
               `${run.label}, ${KINDS.find((k) => k.value === kind).text.toLowerCase()}`)));
@@ -95,7 +103,9 @@ function truthColumn(c) {
         "Above: irradiance, what every method starts from. Right: |error| and signed error of " +
             "luminance, one range for the whole run."),
       h("div", {class: "bars"}, h("span", {}, "|error|"), colourBar(c, "magnitude"),
-        h("span", {}, "test \u2212 truth"), colourBar(c, "signed")));
+        h("span", {}, "test \u2212 truth"), colourBar(c, "signed"),
+        hasSeen && [h("span", {}, "visible"), colourBar(c, "visible")]),
+      hasSeen && sheetPicture(c, "truth", "composite", "truth, as seen"));
 }
 
 function sheet(c) {
@@ -113,6 +123,6 @@ function pictureSection() {
        "orange: too bright, blue: too dark), of " +
        `${maps.quantity || "luminance"}. One colour range, ${
            isNumber(maps.range) ? `\u00b1${maps.range}` : "fixed"}, for every map of the run. ` +
-       "The percentage is the RMSE relative to the truth\u2019s RMS. Click a picture to look closely."],
+       (seenNote() ? seenNote() + " " : "") + "The percentage is the RMSE relative to the truth\u2019s RMS. Click a picture to look closely."],
       viewer(), h("div", {}, cases.map(sheet)));
 }

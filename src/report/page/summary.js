@@ -330,7 +330,7 @@ function skippedSentence() {
 function summaryText() {
   const sentences = [
     leastErrorSentence(), cheapestSentence(), worseThanNothingSentence(), inversionSentence(),
-    doubtSentence(), skippedSentence()
+    doubtSentence(), ...(hasSeen ? [unseenSentence(), reversalSentence()] : []), skippedSentence()
   ].filter(Boolean);
   return h(
       "div", {id: "words"}, verdict(),
@@ -350,7 +350,8 @@ function matrixRow(label, largest) {
         isDistinguishable(run) &&
             h("span", {class: "bar"},
               h("i", {style: `width:${100 * (value || 0) / largest}%;background:${styleOf(label).colour}`})),
-        h("span", {class: "value" + (isDistinguishable(run) ? "" : " alone")}, errorText(run)));
+        h("span", {class: "value" + (isDistinguishable(run) ? "" : " alone")}, errorText(run)),
+        isNumber(seenOf(run).mean) && h("small", {class: "seen"}, ` ${flipText(seenOf(run).mean)}`));
   });
   return h("tr", {}, h("th", {scope: "row"}, methodName(label)), cells);
 }
@@ -368,7 +369,8 @@ function matrix() {
       // As wide as its names and values are, and scrolled where that is too much.
       sortable(h("table", {class: "matrix", style: `min-width: ${190 + 76 * cases.length}px`},
         h("caption", {},
-          "RMSE of luminance relative to the truth\u2019s RMS. Headline target: " + headlineTarget + "."),
+          "RMSE of luminance relative to the truth\u2019s RMS. Headline target: " + headlineTarget + "." +
+              (hasSeen ? " Beside it the mean FLIP of the final picture." : "")),
         h("thead", {},
           h("tr", {}, h("th", {}, "Method"),
             cases.map(

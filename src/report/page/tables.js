@@ -55,6 +55,33 @@ const LEAK_COLUMNS = [
   }
 ];
 
+const seen = (key) => ofWhole((run) => lookUp(run.metrics, "visible." + key));
+const SEEN_COLUMNS = [
+  {
+    group: "Seen",
+    name: "mean",
+    unit: "",
+    get: seen("mean"),
+    help: "visible.mean: mean over skin of FLIP between the final picture and the truth\u2019s: albedo, specular light, tone " +
+        "curve, at the stated pixels a degree"
+  },
+  {group: "Seen", name: "p95", unit: "", get: seen("p95"), help: "visible.p95: 95 % quantile of that FLIP"},
+  {
+    group: "Seen",
+    name: "> 0.05",
+    unit: "%",
+    get: inPercent(seen("above_005")),
+    help: "visible.above_005: share of skin pixels at which that FLIP is above 0.05"
+  },
+  {
+    group: "Seen",
+    name: "> 0.1",
+    unit: "%",
+    get: inPercent(seen("above_01")),
+    help: "visible.above_01: share of skin pixels at which that FLIP is above 0.1"
+  }
+];
+
 const COLUMNS = [
   {
     group: "Headline",
@@ -149,6 +176,7 @@ const COLUMNS = [
     ranks: false,
     help: "halo.contrast: RMSE within 3s / RMSE beyond 6s"
   },
+  ...(runs.some((run) => (run.metrics || {}).visible) ? SEEN_COLUMNS : []),
   ...(runs.some((run) => (run.metrics || {}).leak !== undefined) ? LEAK_COLUMNS : []), {
     group: "Cost",
     name: "frame",
@@ -317,7 +345,7 @@ function dashNotes(c, channel) {
                 `${EN_DASH} ${text} (${all.length === c.runs.length ? "all" : all.join(", ")}). `));
 }
 
-const columnName = (column) => ["Halo", "Leak"].includes(column.group) ?
+const columnName = (column) => ["Halo", "Leak", "Seen"].includes(column.group) ?
     `${column.group.toLowerCase()} ${column.name}` :
     column.group === "RMSE"                            ? `RMSE, ${column.name}` :
                                                          column.name;

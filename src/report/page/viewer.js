@@ -180,10 +180,13 @@ function pane(children, slides) {
 const KIND_SUFFIXES = {
   magnitude: ", |error|",
   signed: ", signed error",
+  composite: ", as seen",
+  visible: ", visible difference",
   false: ", false colour"
 };
 const sourceName = (source, kind) => source === "irradiance" || kind === "irradiance" ? "irradiance" :
-    source === "truth" && kind !== "false"                                            ? "truth" :
+    source === "truth" && !["false", "composite", "visible"].includes(kind)           ? "truth" :
+    source === "truth" && kind !== "false"                                            ? "truth, as seen" :
                                              source + (KIND_SUFFIXES[kind] || "");
 
 function fullSizeLink(shown) {
@@ -206,8 +209,9 @@ const regionMark = () => h("span", {class: "marks"}, h("i", {class: "region"}));
 const exposable = (kind) => (kind === "picture" || kind === "irradiance" ? " exposable" : "");
 
 // Shown instead while Shift is held.
-const heldTruth = (c) =>
-    h("div", {class: "layer held exposable"}, cropped(c, pictureOf(c, "truth", "picture"), "truth"),
+const truthKind = (kind) => (["composite", "visible"].includes(kind) ? "composite" : "picture");
+const heldTruth = (c, kind) =>
+    h("div", {class: "layer held" + exposable(truthKind(kind))}, cropped(c, pictureOf(c, "truth", truthKind(kind)), "truth"),
       h("span", {class: "tag left"}, "truth"));
 
 function comparison() {
@@ -217,10 +221,10 @@ function comparison() {
   viewerParts.handle.setAttribute("aria-label", "Divide between the two pictures");
   viewerParts.large.replaceChildren(
       h("div", {class: "layer" + exposable(kind)}, paneContent(c, right, kind)),
-      h("div", {class: "layer over" + exposable(left === "truth" && kind !== "false" ? "picture" : kind)},
+      h("div", {class: "layer over" + exposable(left === "truth" && kind !== "false" ? truthKind(kind) : kind)},
         paneContent(c, left, kind)),
       h("span", {class: "tag left"}, sourceName(left, kind)),
-      h("span", {class: "tag right"}, sourceName(right, kind)), heldTruth(c), regionMark(),
+      h("span", {class: "tag right"}, sourceName(right, kind)), heldTruth(c, kind), regionMark(),
       viewerParts.handle);
   const exrs = [c.truth, c.all.find((run) => run.label === right)].map(valuePath);
   const paths = unique([a.path, b.path, ...exrs].filter(Boolean));
@@ -244,7 +248,7 @@ function tile(source) {
       pane(
           [
             h("div", {class: exposable(kind)}, paneContent(c, source, kind)),
-            source !== "truth" && heldTruth(c), regionMark()
+            source !== "truth" && heldTruth(c, kind), regionMark()
           ],
           false));
 }
@@ -253,10 +257,10 @@ function showTiles() {
   const {c, kind} = viewerState;
   const methods = [...c.runs].sort(byError).map((run) => run.label);
   viewerParts.tiles.replaceChildren(...(kind === "irradiance"                      ? ["irradiance"] :
-                                            kind === "picture" || kind === "false" ? ["truth", ...methods] :
+                                            ["picture", "false", "composite"].includes(kind) ? ["truth", ...methods] :
                                                                                      methods)
                                         .map(tile));
-  viewerParts.bar.replaceChildren(...[kind === "magnitude" || kind === "signed" ? colourBar(c, kind) :
+  viewerParts.bar.replaceChildren(...[["magnitude", "signed", "visible"].includes(kind) ? colourBar(c, kind) :
                                           kind === "false"                      ? falseColourBar() :
                                                                                   null]
                                       .filter(Boolean));
@@ -332,6 +336,7 @@ function showViewer() {
   if (!known.includes(viewerState.left) && viewerState.left !== "irradiance") viewerState.left = "truth";
   viewerParts.pickers.replaceChildren(selector("Left", "left", true), selector("Right", "right", false));
   viewerParts.facts.replaceChildren(...chosenFacts());
+  viewerParts.buffers.replaceChildren(...bufferStrip(viewerState.c, viewerState.right));
   showPictures();
   placePanes();
   showValues();
@@ -469,6 +474,7 @@ function viewer() {
   viewerParts.tiles = h("div", {class: "tiles"});
   viewerParts.root = h("div", {class: "viewer panel", id: "viewer"});
   viewerParts.facts = h("div", {class: "chosen-facts"});
+  viewerParts.buffers = h("div", {id: "buffers", hidden: !hasBuffers});
   viewerParts.compareKind =
       choice("as", KINDS.filter((kind) => kind.value !== "irradiance"), viewerState.compareKind, (kind) => {
         viewerState.compareKind = kind;
@@ -490,7 +496,7 @@ function viewer() {
 
       h("div", {class: "beside"}, h("div", {class: "controls"}, viewerParts.kind.element), viewerParts.tiles,
         viewerParts.bar, viewerParts.facts, viewerParts.region)),
-    exposureFilter()
+    viewerParts.buffers, exposureFilter()
   ]);
   setSplit(viewerState.split);
   setExposure(viewerState.exposure);

@@ -16,7 +16,7 @@ import unittest
 import zlib
 
 import exr
-from devtools import Page, find_browser
+from devtools import Browser, Page, find_browser
 
 FOLDER = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else None
 LUMINANCE = {"R": 0.2126, "G": 0.7152, "B": 0.0722}
@@ -50,12 +50,20 @@ def png_colours(png):
     return colours
 
 
+BROWSER = None  # of all tests: starting one takes longer than most of them
+
+
+def setUpModule():
+    global BROWSER
+    BROWSER = unittest.enterModuleContext(Browser(find_browser()))
+
+
 class ReportInBrowser(unittest.TestCase):
     state = ""
 
     def setUp(self):
         self.results = json.loads((FOLDER / "results.json").read_text())
-        self.page = self.enterContext(Page(find_browser(), (FOLDER / "report.html").as_uri() + self.state))
+        self.page = self.enterContext(Page(BROWSER, (FOLDER / "report.html").as_uri() + self.state))
         self.page.wait_for("document.documentElement.dataset.values")
 
     def tearDown(self):
@@ -87,6 +95,23 @@ class ReportInBrowser(unittest.TestCase):
         # The block itself holds: a request fails.
         self.assertEqual(self.page.evaluate("fetch('http://example.org/').then(() => 'came', () => 'failed')"), "failed")
         self.page.complaints.clear()
+
+    def test_says_what_is_seen(self):
+        runs = {run["label"]: run for run in self.results["runs"]}
+        words = self.page.evaluate("document.getElementById('words').textContent")
+        said = words.split("In the final picture")[1]
+        unseen = [label for label, run in runs.items() if run["metrics"]["visible"]["p95"] <= 0.05]
+        for label in runs:
+            # Those that pass for the truth are named before "cannot", the others after it.
+            self.assertEqual(said.find(label) < said.find("cannot be told"), label in unseen, label)
+        column = self.page.evaluate("1 + COLUMNS.findIndex((column) => columnKey(column) === 'Seen.p95')")
+        rows = self.page.evaluate(f"""[...document.querySelector('#metrics table.metrics').tBodies[0].rows].map(
+            (tr) => [tr.cells[0].textContent.trim(), Number(tr.cells[{column}].dataset.value)])""")
+        self.assertEqual(dict(rows), {label: run["metrics"]["visible"]["p95"] for label, run in runs.items()})
+        pictures = self.page.evaluate("[...document.querySelectorAll('.column img')].map((img) => img.alt)")
+        for label in runs:
+            self.assertIn(f"{label}, as seen", pictures)
+            self.assertIn(f"{label}, visible difference", pictures)
 
     def test_opens_with_a_sentence_that_the_results_bear_out(self):
         opening = "document.querySelector('#verdict').textContent.replace(/\\u202f/g, ' ')"
