@@ -3,6 +3,8 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "cli/cli_fixture.h"
@@ -703,15 +705,17 @@ TEST_F(CliRun, LetsLightThroughTransmittersOnly) {
     return runs.at(0).at("metrics").at("bias").get<double>() -
            runs.at(1).at("metrics").at("bias").get<double>();
   };
-  const auto slab = [&](const std::string& local, const std::string& transmitting) {
+  const auto slab = [&](const std::string& local, const std::string& transmitting,
+                        const std::string& settings) {
     return with(
         with(with(with(kTiny, "builtin:plane", "builtin:slab"), "[0.0, 0.5, 1.0]", "[0.0, 0.5, -1.0]"),
-             "\"pscbf\"", "\"" + local + "\""),
-        "\"none\"", "\"" + transmitting + "\"");
+             "\"pscbf\"", "\"" + local + "\"" + settings),
+        "\"none\"", "\"" + transmitting + "\"" + settings);
   };
-  for (const auto& [local, transmitting] :
-       {std::pair("pscbf", "pscbf-transmit"), std::pair("texture-space", "texture-space-transmit")}) {
-    const std::string experiment = slab(local, transmitting);
+  for (const auto& [local, transmitting, settings] :
+       {std::tuple("pscbf", "pscbf-transmit", ""),
+        std::tuple("texture-space", "texture-space-transmit", "\nsettings.texture_size = 256")}) {
+    const std::string experiment = slab(local, transmitting, settings);
     EXPECT_GT(difference(experiment), 0.1) << transmitting;
     expect_sampled_own_target(json("out/results.json"));
     EXPECT_EQ(difference(with(experiment, "[scene.parameters]",
