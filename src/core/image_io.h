@@ -42,9 +42,9 @@ Image read_image(const std::filesystem::path& path, std::vector<std::string>* ch
 // How many values read_image would give, of its header alone; 0 of what it would not read.
 double image_values(const std::filesystem::path& path);
 
-// What making a picture out of a file of named layers takes for each pixel, at most: ten channels as floats,
-// two layers of them, and the bytes that are written.
-inline constexpr double kPictureJobBytes = 100.0;
+// What making a picture out of a file of named layers takes for each pixel, at most: fourteen channels as
+// floats, two layers of them, and the bytes that are written.
+inline constexpr double kPictureJobBytes = 116.0;
 
 // Reads a picture for its colours, as linear values: whole numbers are taken as sRGB-encoded and decoded, all
 // but a fourth channel; floating-point values are linear already. Throws as read_image does.

@@ -295,7 +295,8 @@ class Model {
   }
   double flip_bytes() const {
     const int exposures = 1 + static_cast<int>(std::ceil(std::log2(1.0 / spec_.truth.tolerance)));
-    return FlipReference::kept_bytes(pixels_) + HdrFlipReference::kept_bytes(pixels_, exposures);
+    const int references = spec_.composite ? 2 : 1;  // of the exitance, and of the picture as seen
+    return references * FlipReference::kept_bytes(pixels_) + HdrFlipReference::kept_bytes(pixels_, exposures);
   }
 
   // What drawing holds: the largest of the methods, and what counts its reads: two targets, a depth, and
