@@ -96,33 +96,23 @@ Image lamp_picture(const SeenScene& seen, const Light& light) {
   });
 }
 
-// What occlusion leaves of an environment's irradiance, interpolated between the shading mesh's vertices as
-// the irradiance itself is.
-Image share_picture(const SeenScene& seen, const Light& light, const CornerIrradiance& occluded) {
-  if (!light.shadows) return {seen.width(), seen.height(), 3, 1.0F};
-  const EnvironmentIrradiance open(light.environment, 1);
+// What occlusion leaves of an environment's irradiance, interpolated between the shading mesh's corners.
+Image share_picture(const SeenScene& seen, const CornerIrradiance& share) {
+  if (share.empty()) return {seen.width(), seen.height(), 3, 1.0F};
   return seen.picture(3, [&](std::size_t index, const Vec3d& barycentric) -> Vec3d {
-    const ShadingTriangle& triangle = seen.triangle(index);
-    const std::array<Vec3d, 3>& corners = occluded.empty() ? triangle.irradiance : occluded[index];
-    Vec3d left = Vec3d::Zero();
-    for (std::size_t c = 0; c < 3; ++c) left += barycentric[static_cast<Eigen::Index>(c)] * corners[c];
-    const Vec3d all = light.color.cwiseProduct(
-        open.unoccluded(interpolated_normal(seen.scene.mesh, seen.on_mesh(index, barycentric))));
-    Vec3d share = Vec3d::Zero();
-    for (Eigen::Index c = 0; c < 3; ++c)
-      share[c] = all[c] > 0.0 ? std::clamp(left[c] / all[c], 0.0, 1.0) : 0.0;
-    return share;
+    Vec3d sum = Vec3d::Zero();
+    for (std::size_t c = 0; c < 3; ++c) sum += barycentric[static_cast<Eigen::Index>(c)] * share[index][c];
+    return sum;
   });
 }
 
 std::vector<SeenLight> seen_lights(const SeenScene& seen) {
   std::vector<SeenLight> lights;
-  auto occluded = seen.reflection.occluded.begin();
+  auto share = seen.reflection.shares.begin();
   for (const Light& light : seen.reflection.lights) {
     const bool environment = light.kind == LightKind::environment;
-    lights.push_back(
-        {light, environment ? share_picture(seen, light, *occluded) : lamp_picture(seen, light)});
-    if (environment) ++occluded;
+    lights.push_back({light, environment ? share_picture(seen, *share) : lamp_picture(seen, light)});
+    if (environment) ++share;
   }
   return lights;
 }

@@ -202,6 +202,12 @@ UvTexture load_regions(const ExperimentSpec& spec, bool has_uvs) {
   }
   Image image = load_texture(spec, has_uvs, {"composite.regions", composite.regions, composite.regions_where},
                              1, read_as_stored);
+  if (std::any_of(image.data().begin(), image.data().end(),
+                  [](float value) { return value < 0.0F || value > 1.0F; })) {
+    throw_input_error(composite.regions_where,
+                      "'composite.regions' must be from 0 to 1, but {} holds a value beyond",
+                      composite.regions);
+  }
   if (image.channels() != 2 && image.channels() != 4) {
     throw_input_error(
         composite.regions_where,
@@ -217,16 +223,33 @@ std::vector<Light> lights_of(const ExperimentSpec& spec) {
   return lights;
 }
 
+// What occlusion leaves of an environment's irradiance at every corner. `known`: the mesh's irradiance is
+// this light's.
+CornerIrradiance occlusion_share(const PreparedScene& scene, const Light& light, bool known) {
+  CornerIrradiance share =
+      known ? CornerIrradiance{} : corner_irradiance(scene.shading, Lighting(scene.mesh, {light}));
+  share.resize(scene.shading.triangles.size());
+  const EnvironmentIrradiance open(light.environment, 1);
+  for (std::size_t t = 0; t < share.size(); ++t) {
+    const ShadingTriangle& triangle = scene.shading.triangles[t];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3d left = known ? triangle.irradiance[c] : share[t][c];
+      const Vec3d all = light.color.cwiseProduct(open.unoccluded(triangle.normals[c]));
+      for (Eigen::Index k = 0; k < 3; ++k)
+        share[t][c][k] = all[k] > 0.0 ? std::clamp(left[k] / all[k], 0.0, 1.0) : 0.0;
+    }
+  }
+  return share;
+}
+
 SceneReflection reflection_of(const ExperimentSpec& spec, const PreparedScene& scene,
                               const std::vector<Light>& lights, const NormalMap& normal_map) {
   SceneReflection reflection{lights, {}, normal_map, {}};
   if (spec.composite) reflection.regions = load_regions(spec, scene.mesh.has_uvs());
+  const bool known = lights.size() == 1 && normal_map.empty() && spec.scene.albedo_exponent_before() == 0.0;
   for (const Light& light : lights) {
-    if (light.kind != LightKind::environment) continue;
-    const bool all = lights.size() == 1 && spec.scene.albedo_exponent_before() == 0.0;
-    reflection.occluded.push_back(
-        all || !light.shadows ? CornerIrradiance{}
-                              : corner_irradiance(scene.shading, Lighting(scene.mesh, {light}, normal_map)));
+    if (light.kind == LightKind::environment)
+      reflection.shares.push_back(light.shadows ? occlusion_share(scene, light, known) : CornerIrradiance{});
   }
   return reflection;
 }

@@ -22,9 +22,9 @@ namespace truescatter {
 // What the reflection off a scene's surfaces depends on beside its irradiance.
 struct SceneReflection {
   std::vector<Light> lights;
-  // Of each environment among them its irradiance with occlusion, without albedo; empty: all that the mesh
-  // has, or no occlusion was asked for.
-  std::vector<CornerIrradiance> occluded;
+  // Of each environment among them the share that occlusion leaves of its irradiance at the corners of the
+  // shading mesh, per channel, of the geometry alone: relief is the lobe's. Empty: all of it.
+  std::vector<CornerIrradiance> shares;
   NormalMap normal_map;
   UvTexture
       regions;  // intensity and roughness, as the walkthrough's map has them; empty where no file is named

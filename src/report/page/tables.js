@@ -55,7 +55,7 @@ const LEAK_COLUMNS = [
   }
 ];
 
-const seen = (key) => ofWhole((run) => lookUp(run.metrics, "visible." + key));
+const seen = (key) => flip("visible." + key);
 const SEEN_COLUMNS = [
   {
     group: "Seen",
