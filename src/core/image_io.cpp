@@ -1,24 +1,43 @@
 #include "core/image_io.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 
 #include "core/error.h"
 #include "core/exr_header.h"
 #include "core/file.h"
+#include "core/image_codec.h"
 
 namespace truescatter {
+
+std::filesystem::path image_codec_file() {
+  std::filesystem::path file =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / kImageCodecFile;
+  if (!std::filesystem::exists(file))
+    throw_run_error("{}: this part of the program, which reads and writes pictures, is missing",
+                    file.string());
+  return file;
+}
+
 namespace {
 
-// Colours are written and read as they are, not divided or multiplied by a fourth channel.
-constexpr const char* kUnassociatedAlpha = "oiio:UnassociatedAlpha";
-// The time would be written otherwise: equal pictures are equal files.
-constexpr const char* kDateTime = "DateTime";
+// Never closed: the libraries behind it have threads and objects of their own until the program ends.
+const ImageCodec* open_codec() {
+  void* library = dlopen(image_codec_file().c_str(), RTLD_LAZY | RTLD_LOCAL);
+  // POSIX has dlsym's pointer to an object be one to a function.
+  void* symbol = library != nullptr ? dlsym(library, kImageCodecFunction) : nullptr;
+  if (symbol == nullptr)
+    throw_run_error("cannot open the part of the program that reads and writes pictures: {}", dlerror());
+  return reinterpret_cast<const ImageCodec* (*)()>(symbol)();
+}
+
+const ImageCodec& codec() {
+  static const ImageCodec* const kCodec = open_codec();
+  return *kCodec;
+}
 
 std::string channel_name(const ExrLayer& layer, int channel) {
   static constexpr std::array<const char*, 4> kColour = {"R", "G", "B", "A"};
@@ -29,23 +48,10 @@ std::string channel_name(const ExrLayer& layer, int channel) {
   return layer.name.empty() ? suffix : layer.name + "." + suffix;
 }
 
-void put_texts(OIIO::ImageSpec& spec, const ImageTexts& texts) {
-  for (const auto& [name, text] : texts) spec.attribute(name, text);
-}
-
-// Into memory first: the library's writers close their files without looking whether the last bytes went in,
-// which on a full disk leaves half a picture and no word of it.
-void write_with_oiio(const std::filesystem::path& path, OIIO::ImageSpec spec, OIIO::TypeDesc format,
-                     const void* pixels) {
-  OIIO::Filesystem::IOVecOutput encoded;
-  OIIO::Filesystem::IOProxy* proxy = &encoded;
-  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path.filename().string());
-  if (!output) throw_run_error("{}: no writer for this image format: {}", path.string(), OIIO::geterror());
-  if (!output->open(path.filename().string(), spec) || !output->write_image(format, pixels) ||
-      !output->close())
-    throw_run_error("{}: cannot write image: {}", path.string(), output->geterror());
-  const std::vector<unsigned char>& bytes = encoded.buffer();
+void write_encoded(const std::filesystem::path& path, const EncodeRequest& request) {
+  std::vector<unsigned char> bytes;
+  if (const std::string wrong = codec().encode(request, bytes); !wrong.empty())
+    throw_run_error("{}: {}", path.string(), wrong);
   write_text_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
@@ -54,34 +60,27 @@ void write_with_oiio(const std::filesystem::path& path, OIIO::ImageSpec spec, OI
 void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& layers,
                const ImageTexts& texts) {
   assert(!layers.empty());
-  const int width = layers.front().image->width();
-  const int height = layers.front().image->height();
-  int channels = 0;
-  OIIO::ImageSpec spec(width, height, 0, OIIO::TypeDesc::FLOAT);
-  spec.channelnames.clear();
+  const Image& first = *layers.front().image;
+  EncodeRequest request{path.filename().string(), first.width(), first.height(), {}, true, nullptr, texts};
   for (const ExrLayer& layer : layers) {
-    assert(layer.image->width() == width && layer.image->height() == height);
-    for (int c = 0; c < layer.image->channels(); ++c) spec.channelnames.push_back(channel_name(layer, c));
-    channels += layer.image->channels();
+    assert(layer.image->width() == first.width() && layer.image->height() == first.height());
+    for (int c = 0; c < layer.image->channels(); ++c) request.channels.push_back(channel_name(layer, c));
   }
-  spec.nchannels = channels;
-  spec.attribute("compression", "zip");
-  spec.attribute(kDateTime, "");
-  put_texts(spec, texts);
 
-  std::vector<float> pixels(static_cast<std::size_t>(channels) * layers.front().image->pixel_count());
+  const std::size_t channels = request.channels.size();
+  std::vector<float> pixels(channels * first.pixel_count());
   std::size_t offset = 0;
   for (const ExrLayer& layer : layers) {
     const auto count = static_cast<std::size_t>(layer.image->channels());
     const std::span<const float> data = layer.image->data();
-    for (std::size_t p = 0; p < layer.image->pixel_count(); ++p) {
-      std::copy_n(
-          data.begin() + static_cast<std::ptrdiff_t>(p * count), count,
-          pixels.begin() + static_cast<std::ptrdiff_t>(p * static_cast<std::size_t>(channels) + offset));
+    for (std::size_t p = 0; p < first.pixel_count(); ++p) {
+      std::copy_n(data.begin() + static_cast<std::ptrdiff_t>(p * count), count,
+                  pixels.begin() + static_cast<std::ptrdiff_t>(p * channels + offset));
     }
     offset += count;
   }
-  write_with_oiio(path, spec, OIIO::TypeDesc::FLOAT, pixels.data());
+  request.pixels = pixels.data();
+  write_encoded(path, request);
 }
 
 void write_png(const std::filesystem::path& path, const Image& image, const ImageTexts& texts) {
@@ -89,10 +88,9 @@ void write_png(const std::filesystem::path& path, const Image& image, const Imag
   std::transform(image.data().begin(), image.data().end(), bytes.begin(), [](float v) {
     return static_cast<unsigned char>(std::lround(std::clamp(v, 0.0F, 1.0F) * 255.0F));
   });
-  OIIO::ImageSpec spec(image.width(), image.height(), image.channels(), OIIO::TypeDesc::UINT8);
-  spec.attribute(kUnassociatedAlpha, 1);
-  put_texts(spec, texts);
-  write_with_oiio(path, spec, OIIO::TypeDesc::UINT8, bytes.data());
+  const std::vector<std::string> unnamed(static_cast<std::size_t>(image.channels()));
+  write_encoded(
+      path, {path.filename().string(), image.width(), image.height(), unnamed, false, bytes.data(), texts});
 }
 
 namespace {
@@ -102,77 +100,70 @@ namespace {
 constexpr double kMostValues = 1024.0 * 1024.0 * 1024.0;
 constexpr double kMostValuesPerByte = 65536.0;
 
-void check_size(const std::filesystem::path& path, const OIIO::ImageSpec& spec) {
-  const double values = static_cast<double>(spec.width) * spec.height * spec.nchannels;
+void check_size(const std::filesystem::path& path, const PictureHeader& header) {
+  const double values = static_cast<double>(header.width) * header.height * double(header.channels.size());
   if (values > kMostValues) {
     throw_input_error({path.string()}, "the image is {} x {} with {} channels; at most 2^30 values are read",
-                      spec.width, spec.height, spec.nchannels);
+                      header.width, header.height, header.channels.size());
   }
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   if (values > kMostValuesPerByte * bytes) {
     throw_input_error({path.string()},
-                      "says it is {} x {} with {} channels, which a file of {} bytes cannot hold", spec.width,
-                      spec.height, spec.nchannels, bytes);
+                      "says it is {} x {} with {} channels, which a file of {} bytes cannot hold",
+                      header.width, header.height, header.channels.size(), bytes);
   }
 }
 
-Image read_with_spec(const std::filesystem::path& path, OIIO::ImageSpec& spec) {
+struct Picture {
+  PictureHeader header;
+  Image image;
+};
+
+Picture read_picture(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) throw_input_error({path.string()}, "no such file");
   if (const std::string wrong = wrong_exr_attribute(path); !wrong.empty())
     throw_input_error({path.string()}, "cannot read this image: {}", wrong);
-  OIIO::ImageSpec as_stored;
-  as_stored.attribute(kUnassociatedAlpha, 1);
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &as_stored);
-  if (!input) throw_input_error({path.string()}, "cannot read this image: {}", OIIO::geterror());
-  spec = input->spec();
-  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.depth > 1) {
-    throw_input_error({path.string()}, "the image is {} x {} x {} with {} channels; a flat image is needed",
-                      spec.width, spec.height, spec.depth, spec.nchannels);
-  }
-  check_size(path, spec);
-  Image image(spec.width, spec.height, spec.nchannels);
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.data().data())) {
-    throw_input_error({path.string()}, "cannot read the pixels: {}", input->geterror());
-  }
-  return image;
+  Picture picture;
+  const auto storage = [&](const PictureHeader& header) {
+    if (header.width <= 0 || header.height <= 0 || header.channels.empty() || header.depth > 1) {
+      throw_input_error({path.string()}, "the image is {} x {} x {} with {} channels; a flat image is needed",
+                        header.width, header.height, header.depth, header.channels.size());
+    }
+    check_size(path, header);
+    picture.header = header;
+    picture.image = Image(header.width, header.height, static_cast<int>(header.channels.size()));
+    return picture.image.data().data();
+  };
+  if (const std::string wrong = codec().decode(path, storage); !wrong.empty())
+    throw_input_error({path.string()}, "{}", wrong);
+  return picture;
 }
 
 }  // namespace
 
-ImageTexts read_image_texts(const std::filesystem::path& path) {
-  OIIO::ImageSpec spec;
-  read_with_spec(path, spec);
-  ImageTexts texts;
-  for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
-    if (attribute.type() == OIIO::TypeDesc::STRING)
-      texts.emplace(attribute.name().string(), attribute.get_string());
-  }
-  return texts;
-}
+ImageTexts read_image_texts(const std::filesystem::path& path) { return read_picture(path).header.texts; }
 
 Image read_image(const std::filesystem::path& path, std::vector<std::string>* channel_names) {
-  OIIO::ImageSpec spec;
-  Image image = read_with_spec(path, spec);
-  if (channel_names != nullptr) *channel_names = spec.channelnames;
-  return image;
+  Picture picture = read_picture(path);
+  if (channel_names != nullptr) *channel_names = std::move(picture.header.channels);
+  return std::move(picture.image);
 }
 
 double image_values(const std::filesystem::path& path) {
   if (!wrong_exr_attribute(path).empty()) return 0.0;
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string());
-  if (!input) {
-    OIIO::geterror();  // is kept for whoever asks next, else
-    return 0.0;
-  }
-  const OIIO::ImageSpec& spec = input->spec();
-  return static_cast<double>(spec.width) * spec.height * spec.nchannels;
+  double values = 0.0;
+  // What is wrong is said by who reads it.
+  codec().decode(path, [&](const PictureHeader& header) {
+    values = static_cast<double>(header.width) * header.height * double(header.channels.size());
+    return static_cast<float*>(nullptr);
+  });
+  return values;
 }
 
 Image read_linear_colours(const std::filesystem::path& path, std::vector<std::string>* channel_names) {
-  OIIO::ImageSpec spec;
-  Image image = read_with_spec(path, spec);
-  if (channel_names != nullptr) *channel_names = spec.channelnames;
-  if (spec.format.is_floating_point()) return image;
+  auto [header, image] = read_picture(path);
+  if (channel_names != nullptr) *channel_names = std::move(header.channels);
+  if (header.is_float) return std::move(image);
   const int colours = std::min(3, image.channels());
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {

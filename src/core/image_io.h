@@ -9,6 +9,10 @@
 
 namespace truescatter {
 
+// The library beside the program that knows pictures' formats (core/image_codec.h): a part of the program.
+// Throws Error (run) where it is missing, as do all functions here that read or write a file.
+std::filesystem::path image_codec_file();
+
 // One group of channels of an EXR. Channel c is written as "<name>.<suffix c>", with the suffixes
 // R, G, B, A (colours), X, Y, Z (`vector`), or as plain "<name>" where there is one channel. An empty name
 // gives bare suffixes.

@@ -11,6 +11,7 @@
 #include "build_commit.h"
 #include "build_libraries.h"
 #include "core/content_hash.h"
+#include "core/image_io.h"
 #include "core/parallel.h"
 #include "experiment/input_files.h"
 
@@ -66,10 +67,15 @@ std::string software_name() {
 }
 
 json program_provenance() {
-  return {{"version", TRUESCATTER_VERSION},           {"commit", TRUESCATTER_COMMIT},
-          {"commit_dirty", TRUESCATTER_COMMIT_DIRTY}, {"program", hash_of_file("/proc/self/exe")},
-          {"compiler", TRUESCATTER_COMPILER},         {"build_type", TRUESCATTER_BUILD_TYPE},
-          {"instruction_set", TRUESCATTER_ARCH},      {"libraries", libraries()}};
+  return {{"version", TRUESCATTER_VERSION},
+          {"commit", TRUESCATTER_COMMIT},
+          {"commit_dirty", TRUESCATTER_COMMIT_DIRTY},
+          {"program", hash_of_file("/proc/self/exe")},
+          {"image_library", hash_of_file(image_codec_file())},
+          {"compiler", TRUESCATTER_COMPILER},
+          {"build_type", TRUESCATTER_BUILD_TYPE},
+          {"instruction_set", TRUESCATTER_ARCH},
+          {"libraries", libraries()}};
 }
 
 json file_provenance(const std::vector<std::filesystem::path>& inputs) {

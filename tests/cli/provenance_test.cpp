@@ -21,6 +21,8 @@ void expect_program(const Json& provenance) {
   for (const char* key : {"version", "commit", "commit_dirty", "compiler", "build_type", "instruction_set"})
     EXPECT_TRUE(provenance.contains(key)) << key;
   EXPECT_EQ(provenance.at("program"), hash_of_file(TRUESCATTER_BINARY));
+  EXPECT_EQ(provenance.at("image_library"),
+            hash_of_file(fs::path(TRUESCATTER_BINARY).parent_path() / "libtruescatter_images.so"));
   EXPECT_TRUE(provenance.at("libraries").is_object());
   EXPECT_FALSE(provenance.at("libraries").empty());
 }
@@ -217,6 +219,17 @@ repeats = 1
     ++pictures;
   }
   EXPECT_GE(pictures, 8U);
+}
+
+// The program is two files: without the second, which knows pictures' formats, nothing is begun.
+TEST_F(CliProvenance, APartOfTheProgramThatIsMissingIsNamed) {
+  fs::copy_file(TRUESCATTER_BINARY, folder_.path() / "truescatter");
+  folder_.write("e.toml", kTiny);
+  const ProgramResult result =
+      run_program(folder_.path() / "truescatter", {"run", "e.toml", "--out", "out"}, folder_.path());
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_TRUE(contains(result.err, "libtruescatter_images.so: this part of the program")) << result.err;
+  EXPECT_FALSE(exists("out"));
 }
 
 }  // namespace
