@@ -1,7 +1,9 @@
 #include "composite/compositor.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -41,62 +43,90 @@ gpu::Texture colour_texture(const gpu::Context& context, const Image& rgb) {
   return texture_of(context, padded, gpu::Format::rgba32f);
 }
 
-// The passes of specular_light, which share their textures.
+std::vector<std::string> lamp_defines(BeckmannEncoding encoding) {
+  return encoding == BeckmannEncoding::power ? std::vector<std::string>{"POWER"} : std::vector<std::string>{};
+}
+
+}  // namespace
+
+// Programs with the tables that they read.
+namespace composite {
+
+// For lights without size.
+struct LampShading {
+  LampShading(const gpu::Context& context, BeckmannEncoding encoding)
+      : program(full_screen_program(context, "specular.frag", lamp_defines(encoding))),
+        table(texture_of(context, make_beckmann_table(encoding).texels, gpu::Format::r32f,
+                         gpu::Filter::linear)) {}
+
+  gpu::Program program;
+  gpu::Texture table;
+};
+
+struct EnvironmentShading {
+  EnvironmentShading(const gpu::Context& context, const MomentTables& tables)
+      : program(full_screen_program(context, "specular.frag", {"ENVIRONMENT"})),
+        first(texture_of(context, tables.first, gpu::Format::rgba32f, gpu::Filter::linear)),
+        second(texture_of(context, tables.second, gpu::Format::rgba32f, gpu::Filter::linear)) {}
+
+  gpu::Program program;
+  gpu::Texture first;
+  gpu::Texture second;
+};
+
+}  // namespace composite
+
+struct Compositor::Parts {
+  const gpu::Context& context;
+  CompositorSettings settings;
+  gpu::FullScreen full_screen;
+  gpu::Program compose;
+  // Made for the first light of their kind.
+  std::optional<composite::LampShading> lamps;
+  std::optional<composite::EnvironmentShading> environments;
+};
+
+namespace {
+
+// The passes of Compositor::specular_light, which share their textures.
 class SpecularPasses {
  public:
-  SpecularPasses(const gpu::Context& context, const SpecularInputs& inputs)
+  SpecularPasses(const gpu::Context& context, const gpu::FullScreen& full_screen,
+                 const SpecularInputs& inputs)
       : context_(context),
-        inputs_(inputs),
-        full_screen_(context),
+        full_screen_(full_screen),
+        world_to_view_(inputs.world_to_view),
         position_(texture_of(context, inputs.position, gpu::Format::rgba32f)),
         normal_(colour_texture(context, inputs.normal)),
         gloss_(texture_of(context, inputs.gloss, gpu::Format::rg32f)) {}
 
-  void add(const SeenLight& seen) const {
-    if (seen.light.kind == LightKind::environment) {
-      add_environment(seen);
-    } else {
-      add_lamp(seen);
-    }
-  }
-
- private:
-  void add_lamp(const SeenLight& seen) const {
-    const bool power = inputs_.encoding == BeckmannEncoding::power;
-    const gpu::Program program = full_screen_program(
-        context_, "specular.frag", power ? std::vector<std::string>{"POWER"} : std::vector<std::string>{});
-    const gpu::Texture table = texture_of(context_, make_beckmann_table(inputs_.encoding).texels,
-                                          gpu::Format::r32f, gpu::Filter::linear);
+  void add_lamp(const SeenLight& seen, const composite::LampShading& by, double f0) const {
     const bool point = seen.light.kind == LightKind::point;
     const Vec3d world = point ? seen.light.position_mm : seen.light.direction;
-    const Vec4d view = inputs_.world_to_view * Vec4d(world.x(), world.y(), world.z(), point ? 1.0 : 0.0);
-    draw(program, seen.map, [&] {
-      program.set("beckmann", table, 4);
-      program.set("light", Vec3d(view.head<3>()));
-      program.set("is_point", point ? 1.0 : 0.0);
-      program.set("f0", inputs_.f0);
+    const Vec4d view = world_to_view_ * Vec4d(world.x(), world.y(), world.z(), point ? 1.0 : 0.0);
+    draw(by.program, seen.map, [&] {
+      by.program.set("beckmann", by.table, 4);
+      by.program.set("light", Vec3d(view.head<3>()));
+      by.program.set("is_point", point ? 1.0 : 0.0);
+      by.program.set("f0", f0);
     });
   }
 
-  void add_environment(const SeenLight& seen) const {
-    const gpu::Program program = full_screen_program(context_, "specular.frag", {"ENVIRONMENT"});
-    const MomentTables tables = make_moment_tables(inputs_.f0);
-    const gpu::Texture first = texture_of(context_, tables.first, gpu::Format::rgba32f, gpu::Filter::linear);
-    const gpu::Texture second =
-        texture_of(context_, tables.second, gpu::Format::rgba32f, gpu::Filter::linear);
+  void add_environment(const SeenLight& seen, const composite::EnvironmentShading& by) const {
     std::array<Vec3f, 9> coefficients;
     for (std::size_t i = 0; i < coefficients.size(); ++i)
       coefficients[i] = seen.light.color.cwiseProduct(seen.light.environment[i]).cast<float>();
     Mat4d view_to_world = Mat4d::Identity();
-    view_to_world.topLeftCorner<3, 3>() = inputs_.world_to_view.topLeftCorner<3, 3>().transpose();
-    draw(program, seen.map, [&] {
-      program.set("moments_first", first, 4);
-      program.set("moments_second", second, 5);
-      program.set("environment", std::span<const Vec3f>(coefficients));
-      program.set("view_to_world", view_to_world);
+    view_to_world.topLeftCorner<3, 3>() = world_to_view_.topLeftCorner<3, 3>().transpose();
+    draw(by.program, seen.map, [&] {
+      by.program.set("moments_first", by.first, 4);
+      by.program.set("moments_second", by.second, 5);
+      by.program.set("environment", std::span<const Vec3f>(coefficients));
+      by.program.set("view_to_world", view_to_world);
     });
   }
 
+ private:
   // Filling a texture binds it: all are there before the first is set.
   template <typename SetUniforms>
   void draw(const gpu::Program& program, const Image& map, const SetUniforms& set_uniforms) const {
@@ -111,8 +141,8 @@ class SpecularPasses {
   }
 
   const gpu::Context& context_;
-  const SpecularInputs& inputs_;
-  gpu::FullScreen full_screen_;
+  const gpu::FullScreen& full_screen_;
+  Mat4d world_to_view_;
   gpu::Texture position_;
   gpu::Texture normal_;
   gpu::Texture gloss_;
@@ -120,41 +150,64 @@ class SpecularPasses {
 
 }  // namespace
 
-Image specular_light(const gpu::Context& context, const SpecularInputs& inputs) {
-  const int width = inputs.normal.width();
-  const int height = inputs.normal.height();
-  const gpu::Texture target(context, width, height, gpu::Format::rgba32f);
-  const gpu::Framebuffer framebuffer(context, {&target});
+Compositor::Compositor(const gpu::Context& context, const CompositorSettings& settings)
+    : parts_(new Parts{
+          context, settings, gpu::FullScreen(context),
+          full_screen_program(context, "composite.frag",
+                              settings.curve == ToneCurve::filmic ? std::vector<std::string>{"FILMIC"}
+                                                                  : std::vector<std::string>{}),
+          std::nullopt, std::nullopt}) {}
+
+Compositor::~Compositor() = default;
+
+Image Compositor::specular_light(const SpecularInputs& inputs) const {
+  Parts& parts = *parts_;
+  const bool environments =
+      std::any_of(inputs.lights.begin(), inputs.lights.end(),
+                  [](const SeenLight& seen) { return seen.light.kind == LightKind::environment; });
+  const bool lamps = std::any_of(inputs.lights.begin(), inputs.lights.end(), [](const SeenLight& seen) {
+    return seen.light.kind != LightKind::environment;
+  });
+  if (lamps && !parts.lamps) parts.lamps.emplace(parts.context, parts.settings.encoding);
+  if (environments && !parts.environments)
+    parts.environments.emplace(parts.context, make_moment_tables(parts.settings.f0));
+
+  const gpu::Texture target(parts.context, inputs.normal.width(), inputs.normal.height(),
+                            gpu::Format::rgba32f);
+  const gpu::Framebuffer framebuffer(parts.context, {&target});
   framebuffer.clear();
   framebuffer.bind();
-  const gpu::GlFunctions& gl = context.gl();
-  const SpecularPasses passes(context, inputs);
+  const gpu::GlFunctions& gl = parts.context.gl();
+  const SpecularPasses passes(parts.context, parts.full_screen, inputs);
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ONE);
-  for (const SeenLight& seen : inputs.lights) passes.add(seen);
+  for (const SeenLight& seen : inputs.lights) {
+    if (seen.light.kind == LightKind::environment) {
+      passes.add_environment(seen, *parts.environments);
+    } else {
+      passes.add_lamp(seen, *parts.lamps, parts.settings.f0);
+    }
+  }
   gl.Disable(GL_BLEND);
-  context.check("specular light");
+  parts.context.check("specular light");
   return framebuffer.read(0, 3);
 }
 
-Image composite_picture(const gpu::Context& context, const CompositeInputs& inputs, const Image& exitance) {
-  const bool filmic = inputs.curve == ToneCurve::filmic;
-  const gpu::Program program = full_screen_program(
-      context, "composite.frag", filmic ? std::vector<std::string>{"FILMIC"} : std::vector<std::string>{});
-  const gpu::Texture scattered = colour_texture(context, exitance);
-  const gpu::Texture albedo = colour_texture(context, inputs.albedo);
-  const gpu::Texture specular = colour_texture(context, inputs.specular);
-  const gpu::Texture target(context, exitance.width(), exitance.height(), gpu::Format::rgba32f);
-  const gpu::Framebuffer framebuffer(context, {&target});
+Image Compositor::picture(const CompositeInputs& inputs, const Image& exitance) const {
+  const Parts& parts = *parts_;
+  const gpu::Texture scattered = colour_texture(parts.context, exitance);
+  const gpu::Texture albedo = colour_texture(parts.context, inputs.albedo);
+  const gpu::Texture specular = colour_texture(parts.context, inputs.specular);
+  const gpu::Texture target(parts.context, exitance.width(), exitance.height(), gpu::Format::rgba32f);
+  const gpu::Framebuffer framebuffer(parts.context, {&target});
   framebuffer.bind();
-  program.use();
-  program.set("exitance", scattered, 0);
-  program.set("albedo", albedo, 1);
-  program.set("specular", specular, 2);
-  program.set("exposure", inputs.exposure);
-  const gpu::FullScreen full_screen(context);
-  full_screen.draw();
-  context.check("composite");
+  parts.compose.use();
+  parts.compose.set("exitance", scattered, 0);
+  parts.compose.set("albedo", albedo, 1);
+  parts.compose.set("specular", specular, 2);
+  parts.compose.set("exposure", inputs.exposure);
+  parts.full_screen.draw();
+  parts.context.check("composite");
   return framebuffer.read(0, 3);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "composite/specular.h"
@@ -25,22 +26,39 @@ struct SpecularInputs {
   const Image& normal;    // 3: the mapped unit normal, view space
   const Image& gloss;     // 2: intensity rho_s (0 on what is not skin), roughness m
   const std::vector<SeenLight>& lights;
+};
+
+// What a picture is made of beside a method's exitance. Images of its size, RGB.
+struct CompositeInputs {
+  const Image& albedo;    // what of it comes after the scattering
+  const Image& specular;  // as Compositor::specular_light gives it
+  double exposure;
+};
+
+struct CompositorSettings {
   double f0 = kSkinF0;
   BeckmannEncoding encoding = BeckmannEncoding::logarithm;
+  ToneCurve curve = ToneCurve::filmic;
 };
 
-// The specular light of a view by specular.frag: pi times the reflected radiance, in units of irradiance;
-// RGB.
-Image specular_light(const gpu::Context& context, const SpecularInputs& inputs);
+// Draws the picture that a person sees. Holds its programs and tables: one serves all views and methods.
+class Compositor {
+ public:
+  Compositor(const gpu::Context& context, const CompositorSettings& settings);
+  ~Compositor();
+  Compositor(const Compositor&) = delete;
+  Compositor& operator=(const Compositor&) = delete;
 
-// Composites pictures of one view by composite.frag: tone(exposure (exitance albedo + specular)), linear RGB
-// in [0, 1].
-struct CompositeInputs {
-  const Image& albedo;    // what of it comes after the scattering; RGB
-  const Image& specular;  // as specular_light gives it
-  double exposure;
-  ToneCurve curve;
+  // The specular light of a view by specular.frag: pi times the reflected radiance, in units of irradiance;
+  // RGB.
+  Image specular_light(const SpecularInputs& inputs) const;
+
+  // tone(exposure (exitance albedo + specular)) by composite.frag, linear RGB in [0, 1].
+  Image picture(const CompositeInputs& inputs, const Image& exitance) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
-Image composite_picture(const gpu::Context& context, const CompositeInputs& inputs, const Image& exitance);
 
 }  // namespace truescatter

@@ -510,8 +510,9 @@ ThresholdSpec read_threshold(TomlTable table) {
   ThresholdSpec threshold;
   threshold.where = table.where();
   threshold.method = table.text("method");
-  threshold.metric =
-      table.one_of("metric", "rmse", {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max"});
+  threshold.metric = table.one_of("metric", "rmse",
+                                  {"bias", "mae", "rmse", "rel_rmse", "p50", "p95", "p99", "max",
+                                   "visible_mean", "visible_p95", "visible_above_005", "visible_above_01"});
   threshold.maximum = table.number("maximum", 0.0, kHuge);
   table.finish();
   return threshold;
@@ -674,6 +675,9 @@ SweepSpec read_sweep(TomlTable table) {
   for (const std::string& key : sweep.keys) {
     if (key == "name" || key == "sweep" || key.starts_with("sweep.") || key.find('=') != std::string::npos)
       table.fail("key", fmt::format("'sweep.key' must not be '{}'", key));
+    if (key == "composite" || key.starts_with("composite."))
+      table.fail("key",
+                 fmt::format("'sweep.key' must not be '{}': a sweep's pictures are composed alike", key));
   }
   if (sweep.keys.empty()) table.fail("key", "'sweep.key' must name a key");
   sweep.where = table.where("key");
@@ -742,6 +746,10 @@ ExperimentSpec read_root(TomlTable root, const std::filesystem::path& file) {
   spec.timing = read_timing(root.table("timing"));
   for (const TomlTable& table : root.tables("threshold")) {
     spec.thresholds.push_back(read_threshold(table));
+    if (spec.thresholds.back().metric.starts_with("visible") && !spec.composite) {
+      table.fail("metric", fmt::format("'threshold.metric' is \"{}\", which there is with [composite] alone",
+                                       spec.thresholds.back().metric));
+    }
     require_label(table, "threshold.method", spec.thresholds.back().method, spec.methods);
   }
   for (const TomlTable& table : root.tables("ladder"))

@@ -168,6 +168,12 @@ class Model {
     return fields == 1 && spec_.lights.size() == 1 ? 0.0 : static_cast<double>(fields);
   }
 
+  double occluded_environments() const {
+    return static_cast<double>(
+        std::count_if(spec_.lights.begin(), spec_.lights.end(),
+                      [](const LightSpec& light) { return light.type == "environment" && light.occlusion; }));
+  }
+
   // Loading, Embree and refinement; refine.cpp keeps a sample of the light at each vertex and, where an edge
   // is longer than the floor, at its middle, in a table by edge; components are found by another table.
   MemoryEstimate lighting() const {
@@ -185,6 +191,10 @@ class Model {
   // each light; and as the truths' surfaces.
   Stage& add_scene(Stage& stage) const {
     const double gpu = 3.0 * kFloat * (17.0 + 3.0 * light_fields());
+    if (spec_.composite && spec_.composite->specular) {
+      stage.add("what occlusion leaves of environments", MemoryOf::triangles,
+                shading_ * kCorner * occluded_environments());
+    }
     stage.add("mesh", MemoryOf::triangles, mesh_bytes())
         .add("shading mesh", MemoryOf::triangles, shading_bytes() + shading_ * kCorner * light_fields())
         .add("surface on the GPU", MemoryOf::triangles, shading_ * (gpu + kBinsPerTriangle))
@@ -319,14 +329,20 @@ class Model {
     // A picture beside its error's, as they are measured or written: FLIP's filters in double precision (ten
     // planes) and what they give; or all layers of an EXR, interleaved and encoded.
     constexpr double kMeasuring = 6.0 * kFloat + 10.0 * sizeof(double) + 7.0 * kFloat;
+    // A composite: what scatters, and four textures of four channels with as much on the host of one of them;
+    // then the picture and what of it is visible, among an EXR's layers too.
+    constexpr double kComposing = (3.0 + 4.0 * 4.0 + 4.0) * kFloat;
+    constexpr double kComposed = 2.0 * 4.0 * kFloat;
     const double rungs = static_cast<double>(std::accumulate(
         plan_.ladders.begin(), plan_.ladders.end(), std::size_t{0},
         [](std::size_t most, const LadderSpec& ladder) { return std::max(most, ladder.rungs.size()); }));
     return add_view(add_scene(result))
         .add("truths' pictures", MemoryOf::pixels, truth_picture_bytes())
         .add("FLIP's references", MemoryOf::pixels, flip_bytes())
-        .add("methods' targets or measuring", MemoryOf::pixels,
-             std::max(drawing_bytes(MemoryOf::pixels), pixels_ * kMeasuring))
+        .add(
+            "methods' targets or measuring", MemoryOf::pixels,
+            std::max(drawing_bytes(MemoryOf::pixels),
+                     pixels_ * (spec_.composite ? std::max(kMeasuring + kComposed, kComposing) : kMeasuring)))
         // Pictures of a ladder's runs, their steps, and these in one file.
         .add("ladder", MemoryOf::pixels, pixels_ * rungs * 4.0 * 3.0 * kFloat)
         .add("methods' maps in texture space", MemoryOf::texels, drawing_bytes(MemoryOf::texels))

@@ -80,6 +80,15 @@ Image gloss_picture(const SeenScene& seen, const CompositeSpec& spec) {
   });
 }
 
+// The lobe is that of the side that the surface's normal points to.
+void leave_out_backs(const FrameImages& images, Image& gloss) {
+  for (int y = 0; y < gloss.height(); ++y) {
+    for (int x = 0; x < gloss.width(); ++x) {
+      if (images.face_normal.rgb(x, y).dot(images.position.rgb(x, y)) > 0.0) gloss.at(x, y, 0) = 0.0F;
+    }
+  }
+}
+
 Image normal_picture(const SeenScene& seen, const Mat4d& world_to_view) {
   if (seen.reflection.normal_map.empty()) return seen.images.normal;
   const Mat3d turn = world_to_view.topLeftCorner<3, 3>();
@@ -123,8 +132,12 @@ ReflectionPictures reflection_pictures(const PreparedScene& scene, const SceneRe
                                        const FrameImages& images, const Mat4d& world_to_view,
                                        const CompositeSpec* gloss) {
   const SeenScene seen{scene, reflection, images};
-  return {seen_lights(seen), normal_picture(seen, world_to_view),
-          gloss != nullptr ? gloss_picture(seen, *gloss) : Image()};
+  ReflectionPictures pictures{seen_lights(seen), normal_picture(seen, world_to_view), {}};
+  if (gloss != nullptr) {
+    pictures.gloss = gloss_picture(seen, *gloss);
+    leave_out_backs(images, pictures.gloss);
+  }
+  return pictures;
 }
 
 }  // namespace truescatter

@@ -13,7 +13,9 @@ namespace truescatter {
 struct ReflectionPictures {
   std::vector<SeenLight> lights;  // in the experiment's order
   Image normal;                   // the mapped unit normal, view space
-  Image gloss;                    // intensity and roughness, 0 off the skin; empty where it was not asked for
+  // Intensity and roughness; intensity 0 off the skin and where a face is seen from behind. Empty where it
+  // was not asked for.
+  Image gloss;
 };
 
 // A light without size is lit anew at every pixel's point, with its shadow; what occlusion leaves of an

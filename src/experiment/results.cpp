@@ -25,6 +25,13 @@ json at_pointer(const json& object, const char* pointer) {
   return object.contains(p) ? object.at(p) : json();
 }
 
+// Of a threshold's metric among a run's.
+json::json_pointer metric_pointer(const std::string& name) {
+  constexpr std::string_view kVisible = "visible_";
+  return json::json_pointer(name.starts_with(kVisible) ? "/visible/" + name.substr(kVisible.size())
+                                                       : "/" + name);
+}
+
 }  // namespace
 
 std::string results_csv(const json& results) {
@@ -93,7 +100,7 @@ std::vector<std::string> exceeded_thresholds(const json& results,
   for (const ThresholdSpec& threshold : thresholds) {
     for (const json& run : results.at("runs")) {
       if (run.at("label") != threshold.method || run.contains("skipped")) continue;
-      const json& value = run.at("metrics").at(threshold.metric);
+      const json& value = run.at("metrics").at(metric_pointer(threshold.metric));
       if (value.is_number() && std::abs(value.get<double>()) <= threshold.maximum) continue;
       lines.push_back(fmt::format("{}: {} of {} in view {} with {} is {}; the bound is {}",
                                   threshold.where.str(), threshold.metric, threshold.method,

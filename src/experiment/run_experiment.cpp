@@ -16,6 +16,7 @@
 #include "experiment/results.h"
 #include "experiment/scene_setup.h"
 #include "experiment/sweep.h"
+#include "experiment/view_composite.h"
 #include "experiment/view_runner.h"
 
 namespace truescatter {
@@ -33,6 +34,7 @@ struct Shared {
   std::filesystem::path inputs;
   std::filesystem::path passes;
   bool buffers;
+  const Compositor* compositor;
   KnownWidths& widths;
   std::uint64_t memory_limit_bytes;
 };
@@ -43,7 +45,9 @@ void run_scene(const ScenePlan& what, const Shared& shared) {
   const auto admit = [&](const SceneSize& size) {
     refuse_beyond_memory(spec, plan, size, shared.memory_limit_bytes);
   };
-  const PreparedScene scene = prepare_scene(spec, [&](const Mesh& mesh) { admit(size_of(mesh)); });
+  const bool reflection = shared.buffers || (spec.composite && spec.composite->specular);
+  const PreparedScene scene = prepare_scene(
+      spec, [&](const Mesh& mesh) { admit(size_of(mesh)); }, reflection);
   admit(size_of(scene));
   const SurfaceBuffers buffers(shared.context, scene.shading, scene.lights);
   const std::vector<PlannedTruth> planned = planned_truths(plan, buffers.has_uvs());
@@ -52,8 +56,9 @@ void run_scene(const ScenePlan& what, const Shared& shared) {
   });
   const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, shared.cache,
                            shared.wrap);
-  const Setup setup{spec,          plan,          scene,         shared.context, buffers,       truths,
-                    shared.pieces, shared.origin, shared.inputs, shared.passes,  shared.buffers};
+  const Setup setup{spec,          plan,          scene,          shared.context,
+                    buffers,       truths,        shared.pieces,  shared.origin,
+                    shared.inputs, shared.passes, shared.buffers, shared.compositor};
   for (const ViewSpec& view : spec.views) run_view(setup, view);
   for (const Piece& piece : pieces_of(spec, plan)) {
     if (piece.kind == Piece::Kind::widths && !shared.pieces.has(piece))
@@ -152,10 +157,12 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const json key = start_pieces(pieces, key_of(context, spec, options), options.resume);
   say_finished(scenes, pieces);
   const ImageTexts origin = picture_origin(key);
+  std::optional<Compositor> compositor;
+  if (spec.composite) compositor.emplace(context, compositor_settings(*spec.composite));
   KnownWidths widths;
   run_scenes(spec, scenes,
-             {context, cache, wrap, pieces, origin, inputs, passes, options.buffers, widths,
-              options.memory_limit_bytes});
+             {context, cache, wrap, pieces, origin, inputs, passes, options.buffers,
+              compositor ? &*compositor : nullptr, widths, options.memory_limit_bytes});
 
   json results = join_pieces(spec, scenes, pieces);
   results["schema"] = kResultsSchema;

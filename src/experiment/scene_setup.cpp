@@ -266,7 +266,8 @@ RefinementSettings refinement_of(const ExperimentSpec& spec) {
 
 }  // namespace
 
-PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void(const Mesh&)>& admit) {
+PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void(const Mesh&)>& admit,
+                            bool reflection) {
   const Progress progress("scene", 1);
   PreparedScene scene;
   scene.mesh = load_scene_mesh(spec);
@@ -292,8 +293,7 @@ PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void
   mark_transmitters(scene.shading, transmitters);
   scene.shading.residual = measure_residual(scene.shading, lighting, kResidualSamples, spec.truth.seed);
   scene.lights = light_fields(scene.shading, scene.mesh, lights, normal_map, albedo);
-  if (spec.composite && spec.composite->specular)
-    scene.reflection = reflection_of(spec, scene, lights, normal_map);
+  if (reflection) scene.reflection = reflection_of(spec, scene, lights, normal_map);
   scene.largest_irradiance = largest_skin_irradiance(scene.shading);
   if (scene.shading.component_count == 0)
     throw_input_error(spec.scene.skin_mask_where, "the mask leaves no skin");
@@ -301,10 +301,6 @@ PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void
     throw_input_error({spec.file.string()}, "no light reaches the skin: every irradiance is 0");
   }
   return scene;
-}
-
-SceneReflection prepare_reflection(const ExperimentSpec& spec, const PreparedScene& scene) {
-  return reflection_of(spec, scene, lights_of(spec), load_normal_map(spec, scene.mesh));
 }
 
 SceneOutline check_scene(const ExperimentSpec& spec) {

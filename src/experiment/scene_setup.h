@@ -23,11 +23,11 @@ namespace truescatter {
 struct SceneReflection {
   std::vector<Light> lights;
   // Of each environment among them the share that occlusion leaves of its irradiance at the corners of the
-  // shading mesh, per channel, of the geometry alone: relief is the lobe's. Empty: all of it.
+  // shading mesh, per channel, of the geometry alone: what a normal map tilts is the lobe's. Empty: all of
+  // it.
   std::vector<CornerIrradiance> shares;
   NormalMap normal_map;
-  UvTexture
-      regions;  // intensity and roughness, as the walkthrough's map has them; empty where no file is named
+  UvTexture regions;  // gloss as the walkthrough's map has it; empty where no file is named
 };
 
 // A scene ready to be rendered and convolved.
@@ -40,21 +40,18 @@ struct PreparedScene {
   std::optional<UvReport> uvs;
   UvTexture albedo;                           // linear RGB; empty where there is none
   std::vector<CharacterPlace> places;         // of its characters; empty: one, where its file has it
-  std::optional<SceneReflection> reflection;  // where specular light is asked for
+  std::optional<SceneReflection> reflection;  // where it was asked for
 };
 
 // Loads or generates the mesh, lights it and refines it into the shading mesh.
 // Throws Error (input): see load_mesh, mesh_checks.h, make_builtin, resolve_path; a texture without UVs, or
 // without the channels that it needs; an environment's map that is none; a dark scene; a point light on the
 // mesh.
-// `admit` is told of the mesh before it is lit; what it throws is passed on.
+// `admit` is told of the mesh before it is lit; what it throws is passed on. `reflection`: whether what
+// reflection depends on is wanted.
 PreparedScene prepare_scene(
-    const ExperimentSpec& spec, const std::function<void(const Mesh&)>& admit = [](const Mesh&) {});
-
-// What reflection depends on, for a scene that was prepared without it. Reads lights and textures again, and
-// lights the mesh again by each environment with occlusion. Throws the Errors that prepare_scene gives for
-// them.
-SceneReflection prepare_reflection(const ExperimentSpec& spec, const PreparedScene& scene);
+    const ExperimentSpec& spec, const std::function<void(const Mesh&)>& admit = [](const Mesh&) {},
+    bool reflection = false);
 
 // What a scene is known to be before it is generated, lit and refined.
 struct SceneOutline {

@@ -50,13 +50,15 @@ double number_at(const json& object, const char* key) {
 }
 
 json curve_point(const json& run) {
-  static constexpr std::array<std::array<const char*, 2>, 8> kQuantities = {
+  static constexpr std::array<std::array<const char*, 2>, 10> kQuantities = {
       {{"rel_rmse", "/metrics/rel_rmse"},
        {"rmse", "/metrics/rmse"},
        {"bias", "/metrics/bias"},
        {"p99", "/metrics/p99"},
        {"max", "/metrics/max"},
        {"halo_peak", "/metrics/halo/peak"},
+       {"visible_mean", "/metrics/visible/mean"},
+       {"visible_p95", "/metrics/visible/p95"},
        {"own_rel_rmse", "/own_target/metrics/rel_rmse"},
        {"fetches_per_pixel", "/cost/fetches_per_pixel"}}};
   json point = {{"index", run["sweep"]["index"]}, {"axis", run["sweep"]["axis"]}, {"view", run["view"]}};

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "experiment/pass_files.h"
-#include "experiment/reflection_pictures.h"
 
 namespace truescatter {
 namespace {
@@ -39,16 +38,14 @@ std::vector<NamedTexture> buffers_of(const ViewBuffers& of) {
       {"depth", "d", "distance along the view axis, mm", depth_of(of.images)},
       {"face-normal", "xyz", "unit normal of the facets, view space", of.images.face_normal},
       {"normal", "xyz", "interpolated unit normal, view space", of.images.normal}};
-  const bool gloss = of.composite != nullptr && of.spec.composite->specular;
-  const SceneReflection reflection =
-      of.scene.reflection ? *of.scene.reflection : prepare_reflection(of.spec, of.scene);
-  const ReflectionPictures pictures = reflection_pictures(of.scene, reflection, of.images, of.frame.view,
-                                                          gloss ? &*of.spec.composite : nullptr);
-  if (!reflection.normal_map.empty())
-    buffers.push_back({"mapped-normal", "xyz", "unit normal of the normal map, view space", pictures.normal});
-  add_lights(pictures, buffers);
-  if (gloss) {
-    buffers.push_back({"gloss", "im", "intensity rho_s and roughness m of specular light", pictures.gloss});
+  if (!of.reflection.normal_map.empty()) {
+    buffers.push_back(
+        {"mapped-normal", "xyz", "unit normal of the normal map, view space", of.reflected.normal});
+  }
+  add_lights(of.reflected, buffers);
+  if (!of.reflected.gloss.empty()) {
+    buffers.push_back(
+        {"gloss", "im", "intensity rho_s and roughness m of specular light", of.reflected.gloss});
     buffers.push_back(
         {"specular", "RGB", "specular light, pi times the reflected radiance", of.composite->specular()});
   }

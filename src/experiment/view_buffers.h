@@ -13,9 +13,8 @@ namespace truescatter {
 
 // What a view has before any method has drawn, and what its picture is composed of.
 struct ViewBuffers {
-  const ExperimentSpec& spec;
-  const PreparedScene& scene;
-  const Frame& frame;
+  const SceneReflection& reflection;
+  const ReflectionPictures& reflected;
   const FrameImages& images;
   const ViewComposite* composite;  // null without [composite]
 };

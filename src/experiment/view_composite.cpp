@@ -1,6 +1,6 @@
 #include "experiment/view_composite.h"
 
-#include "experiment/reflection_pictures.h"
+#include <cassert>
 
 namespace truescatter {
 namespace {
@@ -14,15 +14,13 @@ Image with_alpha(const Image& rgb, const std::vector<PixelSurface>& surface) {
   return image;
 }
 
-Image specular_of(const CompositeSpec& spec, const PreparedScene& scene, const gpu::Context& context,
-                  const Frame& frame, const FrameImages& images) {
+Image specular_of(const CompositeSpec& spec, const Compositor& compositor, const Frame& frame,
+                  const FrameImages& images, const ReflectionPictures* reflected) {
   if (!spec.specular) return {images.mask.width(), images.mask.height(), 3};
-  const ReflectionPictures pictures =
-      reflection_pictures(scene, *scene.reflection, images, frame.view, &spec);
+  assert(reflected != nullptr && !reflected->gloss.empty());
   const Image position = with_alpha(images.position, images.surface);
-  return specular_light(context,
-                        {frame.view, position, pictures.normal, pictures.gloss, pictures.lights, spec.f0,
-                         spec.beckmann == "power" ? BeckmannEncoding::power : BeckmannEncoding::logarithm});
+  return compositor.specular_light(
+      {frame.view, position, reflected->normal, reflected->gloss, reflected->lights});
 }
 
 Image albedo_of(const CompositeSpec& spec, const FrameImages& images, const Image& after) {
@@ -37,25 +35,26 @@ Image albedo_of(const CompositeSpec& spec, const FrameImages& images, const Imag
 
 }  // namespace
 
-ViewComposite::ViewComposite(const CompositeSpec& spec, const PreparedScene& scene,
-                             const gpu::Context& context, const Frame& frame, const FrameImages& images,
-                             const Image& albedo)
-    : spec_(spec),
-      context_(context),
+CompositorSettings compositor_settings(const CompositeSpec& spec) {
+  return {spec.f0, spec.beckmann == "power" ? BeckmannEncoding::power : BeckmannEncoding::logarithm,
+          spec.tone == "linear" ? ToneCurve::linear : ToneCurve::filmic};
+}
+
+ViewComposite::ViewComposite(const CompositeSpec& spec, double largest_irradiance,
+                             const Compositor& compositor, const Frame& frame, const FrameImages& images,
+                             const ReflectionPictures* reflected, const Image& albedo)
+    : compositor_(compositor),
       images_(images),
-      exposure_(spec.exposure / scene.largest_irradiance),
+      exposure_(spec.exposure / largest_irradiance),
       albedo_(albedo_of(spec, images, albedo)),
-      specular_(specular_of(spec, scene, context, frame, images)) {}
+      specular_(specular_of(spec, compositor, frame, images, reflected)) {}
 
 Image ViewComposite::picture(const Image& exitance) const {
   Image scattered = exitance;
   for (std::size_t i = 0; i < scattered.data().size(); ++i) {
     if (images_.mask.data()[i / 3] == 0.0F) scattered.data()[i] = images_.irradiance.data()[i];
   }
-  return composite_picture(
-      context_,
-      {albedo_, specular_, exposure_, spec_.tone == "linear" ? ToneCurve::linear : ToneCurve::filmic},
-      scattered);
+  return compositor_.picture({albedo_, specular_, exposure_}, scattered);
 }
 
 }  // namespace truescatter

@@ -228,9 +228,7 @@ class ViewRunner {
     const bool all_kept = std::all_of(setup_.plan.profiles.begin(), setup_.plan.profiles.end(),
                                       [&](const Profile& profile) { return is_kept(profile); });
     if (view_kept && all_kept) return;
-    if (setup_.spec.composite)
-      composite_.emplace(*setup_.spec.composite, setup_.scene, setup_.context, frame_, images_, albedo_);
-    if (!view_kept) keep_view();
+    prepare_pictures(!view_kept);
     if (all_kept) return;
     compute_truths();
     if (setup_.spec.metrics.leak) measure_leaks();
@@ -266,7 +264,23 @@ class ViewRunner {
     return {Piece::Kind::ladder, name_, profile.name, ladder.name};
   }
 
-  void keep_view() {
+  // What is reflected is needed for the composite, and for the buffers that the view's piece names.
+  void prepare_pictures(bool keep) {
+    const CompositeSpec* composite = setup_.spec.composite ? &*setup_.spec.composite : nullptr;
+    const CompositeSpec* specular = composite != nullptr && composite->specular ? composite : nullptr;
+    std::optional<ReflectionPictures> reflected;
+    if (specular != nullptr || (setup_.buffers && keep)) {
+      reflected = reflection_pictures(setup_.scene, *setup_.scene.reflection, images_, frame_.view, specular);
+    }
+    if (composite != nullptr) {
+      composite_.emplace(*composite, setup_.scene.largest_irradiance, *setup_.compositor, frame_, images_,
+                         reflected ? &*reflected : nullptr, albedo_);
+    }
+    if (keep) keep_view(reflected ? &*reflected : nullptr);
+  }
+
+  // `reflected` is there where buffers are wanted.
+  void keep_view(const ReflectionPictures* reflected) {
     json view = {{"name", name_},
                  {"width_px", frame_.camera.width_px},
                  {"height_px", frame_.camera.height_px},
@@ -285,7 +299,7 @@ class ViewRunner {
     if (setup_.buffers) {
       view["files"]["buffers"] = write_view_buffers(
           setup_.passes, name_,
-          {setup_.spec, setup_.scene, frame_, images_, composite_ ? &*composite_ : nullptr},
+          {*setup_.scene.reflection, *reflected, images_, composite_ ? &*composite_ : nullptr},
           setup_.exposure(), setup_.origin);
     }
     const Piece piece{Piece::Kind::view, name_};

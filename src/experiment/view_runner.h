@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "composite/compositor.h"
 #include "core/image_io.h"
 #include "experiment/pieces.h"
 #include "experiment/plan.h"
@@ -21,10 +22,11 @@ struct Setup {
   const SurfaceBuffers& surface;
   const SceneTruths& truths;
   const PieceStore& pieces;
-  const ImageTexts& origin;           // of pictures (see picture_origin)
-  std::filesystem::path inputs = {};  // the folder for what methods are given; empty: it is not written
-  std::filesystem::path passes = {};  // the folder for the textures that methods name; the same
-  bool buffers = false;               // what a view has before any method draws is written there too
+  const ImageTexts& origin;                // of pictures (see picture_origin)
+  std::filesystem::path inputs = {};       // the folder for what methods are given; empty: it is not written
+  std::filesystem::path passes = {};       // the folder for the textures that methods name; the same
+  bool buffers = false;                    // what a view has before any method draws is written there too
+  const Compositor* compositor = nullptr;  // with [composite]
 
   double exposure() const { return 1.0 / scene.largest_irradiance; }
 };

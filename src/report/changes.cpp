@@ -38,7 +38,7 @@ struct MetricField {
   Noise noise;
 };
 
-constexpr std::array<MetricField, 19> kMetrics = {
+constexpr std::array<MetricField, 23> kMetrics = {
     {{"rmse", "/metrics/rmse", Noise::truth},
      {"rel_rmse", "/metrics/rel_rmse", Noise::relative},
      {"bias", "/metrics/bias", Noise::truth},
@@ -53,6 +53,10 @@ constexpr std::array<MetricField, 19> kMetrics = {
      {"halo_energy", "/metrics/halo/energy", Noise::none},
      {"seam_peak", "/metrics/seam/peak", Noise::none},
      {"leak_energy", "/metrics/leak/energy", Noise::none},
+     {"visible_mean", "/metrics/visible/mean", Noise::none},
+     {"visible_p95", "/metrics/visible/p95", Noise::none},
+     {"visible_above_005", "/metrics/visible/above_005", Noise::none},
+     {"visible_above_01", "/metrics/visible/above_01", Noise::none},
      {"own_rmse", "/own_target/metrics/rmse", Noise::own_truth},
      {"frame_ms", "/cost/frame_ms/median", Noise::time},
      {"passes", "/cost/passes", Noise::none},

@@ -171,11 +171,19 @@ std::vector<std::string> buffer_paths(const json& results, const std::filesystem
 json embedded_pictures(const std::filesystem::path& folder, const std::vector<PagePicture>& wanted) {
   std::vector<Picture> pictures(wanted.size());
   parallel_for(wanted.size(), [&](std::size_t i) {
-    pictures[i] = load_picture(folder / wanted[i].path, i, wanted[i].max_width_px);
+    const std::filesystem::path file = folder / wanted[i].path;
+    if (wanted[i].dispensable && !std::filesystem::exists(file)) return;
+    pictures[i] = load_picture(file, i, wanted[i].max_width_px);
   });
+  std::size_t dispensable_bytes = 0;
   json result = {{"files", json::object()}, {"data", json::array()}};
   std::map<std::string, std::size_t> known;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (wanted[i].dispensable) {
+      if (pictures[i].uri.empty() || dispensable_bytes + pictures[i].uri.size() > kMaxDispensableBytes)
+        continue;
+      dispensable_bytes += pictures[i].uri.size();
+    }
     const auto [entry, is_new] = known.try_emplace(pictures[i].uri, known.size());
     if (is_new) result["data"].push_back(pictures[i].uri);
     result["files"][wanted[i].path] = {

@@ -23,10 +23,14 @@ std::vector<std::string> buffer_paths(const nlohmann::json& results,
                                       const std::filesystem::path& results_file);
 
 // A picture in the page, scaled down to a width by an area average of linear light where it is wider.
+// `dispensable`: left out where its file is missing, or where such pictures would take more than
+// kMaxDispensableBytes together; those that are named first stay.
 struct PagePicture {
   std::string path;
   int max_width_px;
+  bool dispensable = false;
 };
+inline constexpr std::size_t kMaxDispensableBytes = 6'000'000;
 
 // {"files": {path: {"data": index, "width": w, "height": h}}, "data": [data URIs]}; the sizes are those of
 // the file on disk; equal pictures are held once. Throws Error (input) that names a file which is missing or

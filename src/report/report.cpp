@@ -30,6 +30,10 @@ std::string title_of(const json& results) {
   return (named ? results.at(name).get<std::string>() + " \u00b7 " : std::string()) + "truescatter";
 }
 
+double values_of(const std::filesystem::path& picture) {
+  return std::filesystem::exists(picture) ? image_values(picture) : 0.0;
+}
+
 // Of the largest view.
 double most_pixels(const json& results) {
   double most = 0.0;
@@ -44,10 +48,15 @@ void write_report(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "results.json";
   try {
     const json results = read_results(folder);
-    const JobLimit limit(jobs_within(most_pixels(results) * kPictureJobBytes, job_count()));
     std::vector<PagePicture> wanted;
     for (const std::string& path : picture_paths(results, file)) wanted.push_back({path, kMaxPictureWidthPx});
-    for (const std::string& path : buffer_paths(results, file)) wanted.push_back({path, kMaxBufferWidthPx});
+    double pixels = most_pixels(results);
+    for (const std::string& path : buffer_paths(results, file)) {
+      wanted.push_back({path, kMaxBufferWidthPx, true});
+      // A map in texture space may be larger than any view.
+      pixels = std::max(pixels, values_of(folder / path) / 3.0);
+    }
+    const JobLimit limit(jobs_within(pixels * kPictureJobBytes, job_count()));
     const json pictures = embedded_pictures(folder, wanted);
     const json values = embedded_values(folder, results, kMaxValueBytes);
     write_text_file(folder / "report.html",

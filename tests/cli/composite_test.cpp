@@ -1,4 +1,6 @@
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "cli/cli_fixture.h"
 #include "core/image_io.h"
@@ -211,11 +213,238 @@ TEST_F(CliComposite, BuffersAreAllThatAPictureIsMadeOf) {
   }
 }
 
+// What every pixel of a view's buffer has, by its channels' names.
+class CliBuffers : public CliComposite {
+ protected:
+  Image buffer(const std::string& view, const std::string& name, const std::string& channel) const {
+    return read_exr_layer(folder_.path() / "out/passes" / (view + ".view." + name + ".exr"), channel);
+  }
+};
+
+// The square fills the frame, and u runs along x: red is below a tenth on its left half. Values of eight
+// bits; where texels meet, between the two.
+TEST_F(CliBuffers, GlossOfAMapIsAsTheWalkthroughHasIt) {
+  Image map(64, 64, 4);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      map.at(x, y, 0) = x < 32 ? 0.09F : 0.5F;
+      map.at(x, y, 3) = 0.25F;
+    }
+  }
+  write_png(folder_.path() / "gloss.png", map);
+  ASSERT_EQ(run(kTiny + "[composite]\nregions = \"gloss.png\"\n", {"--buffers"}).exit_code, 0);
+  const Image intensity = buffer("front", "gloss", "i");
+  const Image roughness = buffer("front", "gloss", "m");
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 48; ++x) {
+      if (x < 22) {
+        EXPECT_EQ(intensity.at(x, y, 0), 0.0F);
+      }
+      if (x > 25) {
+        EXPECT_NEAR(intensity.at(x, y, 0), 0.16 * 128.0 / 255.0 + 0.18, 1e-6);
+      }
+      EXPECT_NEAR(roughness.at(x, y, 0), 0.09 * 64.0 / 255.0 + 0.23, 1e-6);
+    }
+  }
+}
+
+// A convex body hides nothing of the sky from itself, whatever relief its normal map pretends: the map tilts
+// the lobe. Of 256 rays a facet's edge may stop a few.
+TEST_F(CliBuffers, ANormalMapTakesNothingOfAnEnvironmentAway) {
+  Image map(32, 32, 3);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 32; ++x)
+      map.set_rgb(x, y, 0.5 * (Vec3d(x % 8 < 4 ? 0.6 : -0.6, 0.0, 0.8) + Vec3d::Ones()));
+  }
+  write_exr(folder_.path() / "map.exr", {{"", &map}});
+  const std::string sky =
+      "[[light]]\ntype = \"environment\"\nmap = \"builtin:sunset\"\nocclusion_rays = 256\n";
+  const std::string ball = with(with(kLitBall, "[[light]]\ndirection = [0.8, 0.4, 0.5]\n", sky),
+                                "[scene.parameters]", "normal_map = \"map.exr\"\n[scene.parameters]");
+  const ProgramResult result =
+      run(ball + "[composite]\n[shading]\nnormal_map_edge_mm = 2.0\n", {"--buffers"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Image seen = buffer("front", "gloss", "i");
+  double tilted = 0.0;
+  for (const char* channel : {"r", "g", "b"}) {
+    const Image share = buffer("front", "occlusion-1", channel);
+    for (std::size_t i = 0; i < share.data().size(); ++i) {
+      if (seen.data()[i] > 0.0F) {
+        ASSERT_GT(share.data()[i], 0.9F);
+      }
+    }
+  }
+  const Image mapped = buffer("front", "mapped-normal", "x");
+  const Image smooth = buffer("front", "normal", "x");
+  for (std::size_t i = 0; i < mapped.data().size(); ++i)
+    tilted = std::max(tilted, std::abs(double(mapped.data()[i]) - smooth.data()[i]));
+  EXPECT_GT(tilted, 0.4);
+}
+
+// What the mask leaves out shows its irradiance, and reflects nothing.
+TEST_F(CliBuffers, WhatIsNotSkinShowsItsIrradiance) {
+  Image mask(16, 16, 1, 1.0F);
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 8; ++x) mask.at(x, y, 0) = 0.0F;
+  }
+  write_png(folder_.path() / "skin.png", mask);
+  const std::string masked =
+      with(kTiny, "[scene.parameters]", "skin_mask = \"skin.png\"\n[scene.parameters]");
+  const ProgramResult result = run(
+      masked + "[composite]\ntone = \"linear\"\nexposure = 0.9\nalbedo = [0.5, 0.5, 0.5]\n", {"--buffers"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string file = "front.spike-and-base.none.exr";
+  const Image skin = layer(file, "mask");
+  const Image shown = layer(file, "composite");
+  const Image irradiance = layer("front.spike-and-base.truth.exr", "irradiance");
+  const Image specular = read_exr_layer(folder_.path() / "out/passes/front.view.specular.exr", "");
+  const double exposure = 0.9 / json("out/results.json")["scene"]["largest_irradiance"].get<double>();
+  std::array<int, 2> count{};
+  for (std::size_t i = 0; i < shown.data().size(); ++i) {
+    const bool is_skin = skin.data()[i / 3] != 0.0F;
+    ++count[is_skin ? 1 : 0];
+    const double scattered = (is_skin ? 0.5 : 1.0) * irradiance.data()[i];  // "none" scatters nothing
+    ASSERT_NEAR(shown.data()[i], std::min(1.0, exposure * (scattered + specular.data()[i])), 2e-6);
+    if (!is_skin) {
+      ASSERT_EQ(specular.data()[i], 0.0F);
+    }
+  }
+  EXPECT_GT(count[0], 2000);
+  EXPECT_GT(count[1], 2000);
+}
+
+// An albedo of a half: before the scattering it is in the irradiance and after it in the picture, so that on
+// one irradiance all three show the same.
+TEST_F(CliBuffers, AnAlbedoComesInWhereverItIsApplied) {
+  const Image half(4, 4, 3, 0.5F);
+  write_exr(folder_.path() / "half.exr", {{"", &half}});
+  for (const auto& [where, after] :
+       std::map<std::string, double>{{"before", 0.0}, {"mix", 0.5}, {"after", 1.0}}) {
+    const std::string textured =
+        with(kTiny, "[scene.parameters]",
+             "albedo = \"half.exr\"\ntexturing = \"" + where + "\"\n[scene.parameters]");
+    ASSERT_EQ(run(textured + "[composite]\nspecular = false\ntone = \"linear\"\n", {"--buffers"}).exit_code,
+              0);
+    const double exposure = 1.0 / json("out/results.json")["scene"]["largest_irradiance"].get<double>();
+    const Image exitance = layer("front.spike-and-base.truth.exr", "");
+    const Image shown = layer("front.spike-and-base.truth.exr", "composite");
+    EXPECT_NEAR(buffer("front", "albedo", "g").at(20, 20, 0), std::pow(0.5, after), 1e-6) << where;
+    EXPECT_NEAR(shown.at(20, 20, 1), exposure * exitance.at(20, 20, 1) * std::pow(0.5, after), 1e-6) << where;
+    EXPECT_FALSE(exists("out/passes/front.view.gloss.exr"));
+  }
+}
+
+// Seen from behind, through the irradiance of its front, the square has no highlight.
+TEST_F(CliBuffers, TheInsideOfAnOpenSurfaceDoesNotShine) {
+  const std::string behind = with(kTiny, "eye_mm = [0.0, 0.0, 100.0]", "eye_mm = [0.0, 0.0, -100.0]");
+  ASSERT_EQ(run(behind + "[composite]\n", {"--buffers"}).exit_code, 0);
+  const Image specular = read_exr_layer(folder_.path() / "out/passes/front.view.specular.exr", "");
+  for (const float value : specular.data()) ASSERT_EQ(value, 0.0F);
+}
+
+// The head has its gloss where it is its nose, cheek and neck, and so has its copy beside it.
+TEST_F(CliBuffers, BuiltInRegionsGoWithEachCharacter) {
+  const std::string heads = R"(
+[scene]
+mesh = "builtin:head"
+parameters.edge_mm = 6.0
+[[scene.character]]
+position_mm = [0.0, 0.0, 0.0]
+[[scene.character]]
+position_mm = [400.0, 0.0, 0.0]
+[[light]]
+direction = [0.3, 0.4, 0.8]
+[[view]]
+name = "one"
+eye_mm = [0.0, -10.0, 600.0]
+target_mm = [0.0, -10.0, 0.0]
+fov_deg = 20.0
+width_px = 64
+height_px = 64
+[[view]]
+name = "other"
+eye_mm = [400.0, -10.0, 600.0]
+target_mm = [400.0, -10.0, 0.0]
+fov_deg = 20.0
+width_px = 64
+height_px = 64
+[[profile]]
+name = "spike-and-base"
+[truth]
+geodesic = "off"
+[shading]
+floor_mm = 4.0
+[timing]
+warm_up = 0
+repeats = 1
+[[method]]
+name = "none"
+[[method]]
+name = "blur2d"
+[composite]
+regions = "builtin:head"
+)";
+  const ProgramResult result = run(heads, {"--buffers"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Image intensity = buffer("one", "gloss", "i");
+  const Image other = buffer("other", "gloss", "i");
+  const Image roughness = buffer("one", "gloss", "m");
+  std::set<double> values;
+  for (std::size_t i = 0; i < intensity.data().size(); ++i) {
+    if (intensity.data()[i] == 0.0F) continue;
+    EXPECT_NEAR(intensity.data()[i], other.data()[i], 2e-3);
+    EXPECT_GE(intensity.data()[i], 0.18F);
+    EXPECT_LE(intensity.data()[i], 0.34F);
+    EXPECT_GE(roughness.data()[i], 0.23F);
+    EXPECT_LE(roughness.data()[i], 0.32F);
+    values.insert(std::round(100.0 * intensity.data()[i]));
+  }
+  EXPECT_GE(values.size(), 8U);
+  // 600 mm away a pixel is 3.3 mm: the nose's ridge is above the middle's lips.
+  float most = 0.0F;
+  for (int y = 20; y < 36; ++y) most = std::max(most, intensity.at(32, y, 0));
+  EXPECT_NEAR(most, 0.34F, 1e-3F);
+}
+
+TEST_F(CliComposite, AThresholdHoldsWhatIsSeen) {
+  const std::string judged =
+      kLitBall + "[composite]\n[[threshold]]\nmethod = \"none\"\nmetric = \"visible_p95\"\n";
+  const ProgramResult exceeded = run(judged + "maximum = 0.0001\n");
+  EXPECT_EQ(exceeded.exit_code, 1);
+  EXPECT_TRUE(contains(exceeded.err + exceeded.out, "visible_p95 of none in view front")) << exceeded.err;
+  EXPECT_EQ(run(judged + "maximum = 1.0\n").exit_code, 0);
+}
+
+TEST_F(CliComposite, CompareNamesWhatIsSeenAnew) {
+  ASSERT_EQ(run(kLitBall + "[composite]\n").exit_code, 0);
+  fs::rename(folder_.path() / "out", folder_.path() / "before");
+  ASSERT_EQ(run(kLitBall + "[composite]\nexposure = 0.25\n").exit_code, 0);
+  const ProgramResult compared = truescatter({"compare", "before", "out"});
+  EXPECT_EQ(compared.exit_code, 0) << compared.err;
+  EXPECT_TRUE(contains(compared.out, "  visible_p95 ")) << compared.out;
+  EXPECT_FALSE(contains(compared.out, "  rmse ")) << compared.out;
+}
+
+TEST_F(CliComposite, ASweepHasWhatIsSeenAtEachValue) {
+  const std::string swept =
+      "[composite]\n[sweep]\nkey = \"scene.parameters.radius_mm\"\nvalues = [8.0, 6.0]\n";
+  ASSERT_EQ(run(kLitBall + swept).exit_code, 0);
+  const Json results = json("out/results.json");
+  for (const Json& curve : results.at("sweep").at("curves")) {
+    for (const Json& point : curve.at("points")) {
+      EXPECT_GT(point.at("visible_mean").get<double>(), 0.0);
+      EXPECT_GE(point.at("visible_p95"), point.at("visible_mean"));
+    }
+  }
+}
+
 class CliCompositeErrors : public CliErrors {};
 
 TEST_F(CliCompositeErrors, NameTheKey) {
   Image rgb(4, 4, 3, 0.5F);
   write_png(folder_.path() / "rgb.png", rgb);
+  const Image bright(4, 4, 4, 1.5F);
+  write_exr(folder_.path() / "bright.exr", {{"", &bright}});
   const std::vector<std::pair<std::string, std::string>> table = {
       {"tone = \"aces\"", "'composite.tone'"},
       {"roughness = 0.05", "'composite.roughness'"},
@@ -225,12 +454,18 @@ TEST_F(CliCompositeErrors, NameTheKey) {
       {"pixels_per_degree = 0", "'composite.pixels_per_degree'"},
       {"colour = 1", "colour"},
       {"regions = \"rgb.png\"\nroughness = 0.3", "'composite.roughness' is for skin without regions"},
+      {"regions = \"bright.exr\"",
+       "'composite.regions' must be from 0 to 1, but bright.exr holds a value beyond"},
+      {"[sweep]\nkey = \"composite.exposure\"\nvalues = [1.0, 2.0]", "a sweep's pictures are composed alike"},
       {"regions = \"rgb.png\"",
        "'composite.regions' needs intensity in red and roughness in alpha, but rgb.png has 3"},
       {"regions = \"none.png\"", "none.png"},
       {"regions = \"builtin:head\"", "there are built-in regions of \"builtin:head\" alone"}};
   for (const auto& [key, message] : table)
     expect_refused(run(kLitBall + "[composite]\n" + key + "\n"), {"e.toml:", message});
+  expect_refused(
+      run(kLitBall + "[[threshold]]\nmethod = \"none\"\nmetric = \"visible_mean\"\nmaximum = 1.0\n"),
+      {"e.toml:", "'threshold.metric' is \"visible_mean\", which there is with [composite] alone"});
 }
 
 }  // namespace

@@ -15,6 +15,13 @@ const gpu::Context& context() {
   return shared;
 }
 
+const Compositor& compositor() {
+  static const Compositor shared(context(), {});
+  return shared;
+}
+
+CompositorSettings with_curve(ToneCurve curve) { return {kSkinF0, BeckmannEncoding::logarithm, curve}; }
+
 Image random_image(int width, int height, int channels, double low, double high, unsigned seed) {
   std::mt19937 generator(seed);
   Image image(width, height, channels);
@@ -55,9 +62,8 @@ template <typename ToLight>
 void expect_lobe(const RandomView& view, const Light& light, BeckmannEncoding encoding, double allowed,
                  const ToLight& to_light) {
   const std::vector<SeenLight> lights = {{light, view.light}};
-  SpecularInputs inputs = view.inputs(lights);
-  inputs.encoding = encoding;
-  const Image drawn = specular_light(context(), inputs);
+  const Compositor encoded(context(), {kSkinF0, encoding});
+  const Image drawn = encoded.specular_light(view.inputs(lights));
   int lit = 0;
   for (int y = 0; y < RandomView::kSize; ++y) {
     for (int x = 0; x < RandomView::kSize; ++x) {
@@ -101,9 +107,9 @@ TEST(SpecularLight, OfSeveralLightsIsTheirSum) {
   Light other;
   other.kind = LightKind::point;
   other.position_mm = Vec3d(0.0, 200.0, 100.0);
-  const Image first = specular_light(context(), view.inputs({{one, view.light}}));
-  const Image second = specular_light(context(), view.inputs({{other, view.light}}));
-  const Image both = specular_light(context(), view.inputs({{one, view.light}, {other, view.light}}));
+  const Image first = compositor().specular_light(view.inputs({{one, view.light}}));
+  const Image second = compositor().specular_light(view.inputs({{other, view.light}}));
+  const Image both = compositor().specular_light(view.inputs({{one, view.light}, {other, view.light}}));
   for (std::size_t i = 0; i < both.data().size(); ++i)
     ASSERT_FLOAT_EQ(both.data()[i], first.data()[i] + second.data()[i]);
 }
@@ -124,7 +130,7 @@ TEST(SpecularLight, IsZeroOffSkinBehindTheSurfaceAndWhereNothingIsSeen) {
       }
     }
   }
-  const Image drawn = specular_light(context(), view.inputs({{light, view.light}}));
+  const Image drawn = compositor().specular_light(view.inputs({{light, view.light}}));
   for (const float value : drawn.data()) ASSERT_EQ(value, 0.0F);
 }
 
@@ -145,12 +151,12 @@ TEST(SpecularLight, IsFiniteAtGrazingAngles) {
       }
     }
   }
-  const Image lamp = specular_light(context(), view.inputs({{light, view.light}}));
+  const Image lamp = compositor().specular_light(view.inputs({{light, view.light}}));
   for (const float value : lamp.data()) ASSERT_TRUE(std::isfinite(value) && value >= 0.0F);
   Light everywhere;
   everywhere.kind = LightKind::environment;
   everywhere.environment[0] = Vec3d::Ones();
-  const Image sky = specular_light(context(), view.inputs({{everywhere, view.light}}));
+  const Image sky = compositor().specular_light(view.inputs({{everywhere, view.light}}));
   for (const float value : sky.data()) ASSERT_TRUE(std::isfinite(value) && value >= 0.0F);
 }
 
@@ -167,7 +173,7 @@ TEST(SpecularLight, OfAnEnvironmentIsItsIntegral) {
       light.environment[i][c] = (generator() / 4294967296.0 - 0.5) + (i == 0 ? 4.0 : 0.0);
   }
   light.color = Vec3d(1.0, 0.5, 2.0);
-  const Image drawn = specular_light(context(), view.inputs({{light, view.light}}));
+  const Image drawn = compositor().specular_light(view.inputs({{light, view.light}}));
   const Mat3d to_world = view.world_to_view.topLeftCorner<3, 3>().transpose();
   int compared = 0;
   for (int y = 0; y < RandomView::kSize; y += 9) {
@@ -206,7 +212,7 @@ TEST_P(ToneCurves, WithoutSpecularLightAndAlbedoOneShowTheExitance) {
   const Image exitance = random_image(40, 30, 3, -0.1, 3.0, 5);
   const Image white(40, 30, 3, 1.0F);
   const Image dark(40, 30, 3);
-  const Image shown = composite_picture(context(), {white, dark, 0.7, GetParam()}, exitance);
+  const Image shown = Compositor(context(), with_curve(GetParam())).picture({white, dark, 0.7}, exitance);
   for (std::size_t i = 0; i < shown.data().size(); ++i)
     ASSERT_NEAR(shown.data()[i], tone(GetParam(), 0.7 * exitance.data()[i]), 1e-6);
 }
@@ -215,7 +221,8 @@ TEST_P(ToneCurves, AddSpecularLightToTheExitanceTimesAlbedo) {
   const Image exitance = random_image(40, 30, 3, 0.0, 1.0, 5);
   const Image albedo = random_image(40, 30, 3, 0.0, 1.0, 6);
   const Image specular = random_image(40, 30, 3, 0.0, 1.0, 7);
-  const Image shown = composite_picture(context(), {albedo, specular, 1.3, GetParam()}, exitance);
+  const Image shown =
+      Compositor(context(), with_curve(GetParam())).picture({albedo, specular, 1.3}, exitance);
   for (std::size_t i = 0; i < shown.data().size(); ++i) {
     const double light = 1.3 * (double(exitance.data()[i]) * albedo.data()[i] + specular.data()[i]);
     ASSERT_NEAR(shown.data()[i], tone(GetParam(), light), 2e-6);

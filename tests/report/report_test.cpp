@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <string>
 
 #include "core/error.h"
@@ -309,6 +310,30 @@ TEST_F(ReportTest, HoldsEqualPicturesOnce) {
   EXPECT_EQ(pictures["data"].size(), kPictures.size() - 1);
   EXPECT_EQ(pictures["files"]["maps/front.irradiance.png"]["data"],
             pictures["files"]["maps/front.skin.none.png"]["data"]);
+}
+
+// What a strip shows small is no reason for a report to fail, or to grow without end.
+TEST_F(ReportTest, HoldsBuffersThatAreThereUpToALimit) {
+  write_pictures();
+  json results = sample_results();
+  std::mt19937 generator(1);
+  for (int i = 0; i < 60; ++i) {
+    const std::string name = "passes/" + std::to_string(i) + ".png";
+    results["views"][0]["files"]["buffers"].push_back({{"name", std::to_string(i)}, {"png", name}});
+    if (i == 3) continue;
+    Image noise(200, 200, 3);  // 120 KB, which nothing compresses: 160 KB in the page
+    for (float& value : noise.data()) value = static_cast<float>(generator() % 256) / 255.0F;
+    std::filesystem::create_directories(folder_ / "passes");
+    write_png(folder_ / name, noise);
+  }
+  write_results(results);
+  const json files = block(report(), "pictures")["files"];
+  EXPECT_TRUE(files.contains("passes/0.png"));
+  EXPECT_FALSE(files.contains("passes/3.png"));
+  EXPECT_TRUE(files.contains("passes/4.png"));
+  EXPECT_FALSE(files.contains("passes/59.png"));
+  for (const std::string& picture : kPictures)
+    EXPECT_TRUE(files.contains("maps/" + picture + ".png")) << picture;
 }
 
 TEST_F(ReportTest, KeepsThePictureBytes) {

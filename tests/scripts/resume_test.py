@@ -60,6 +60,7 @@ assumption = "none"
 [[ladder.rung]]
 truth = "cut"
 assumption = "the kernel ends at r_max"
+[composite]
 [stability]
 jitter = {views = 2}
 points = 50
@@ -77,7 +78,7 @@ class Resume(unittest.TestCase):
         cls.shared = tempfile.TemporaryDirectory()
         cls.reference = pathlib.Path(cls.shared.name) / "reference"
         (pathlib.Path(cls.shared.name) / "e.toml").write_text(EXPERIMENT)
-        subprocess.run([PROGRAM, "run", "e.toml", "--out", "reference", "--no-cache"], cwd=cls.shared.name, check=True,
+        subprocess.run([PROGRAM, "run", "e.toml", "--out", "reference", "--no-cache", "--buffers"], cwd=cls.shared.name, check=True,
                        capture_output=True)
 
     @classmethod
@@ -92,7 +93,7 @@ class Resume(unittest.TestCase):
         (self.folder / "e.toml").write_text(EXPERIMENT)
 
     def command(self, *arguments):
-        return [PROGRAM, "run", "e.toml", "--out", "out", "--no-cache", *arguments]
+        return [PROGRAM, "run", "e.toml", "--out", "out", "--no-cache", "--buffers", *arguments]
 
     def run_program(self, *arguments):
         return subprocess.run(self.command(*arguments), cwd=self.folder, capture_output=True, text=True)
@@ -143,7 +144,7 @@ class Resume(unittest.TestCase):
         # A ladder that reads the pictures of runs, which were drawn before the kill.
         rung = 'method = "none"'
         (self.folder / "e.toml").write_text(EXPERIMENT.replace('truth = "cut"', rung))
-        subprocess.run([PROGRAM, "run", "e.toml", "--out", "whole", "--no-cache"], cwd=self.folder, check=True,
+        subprocess.run([PROGRAM, "run", "e.toml", "--out", "whole", "--no-cache", "--buffers"], cwd=self.folder, check=True,
                        capture_output=True)
         for after in (3, 5, 9, 15):
             arguments = ["--resume"] if self.left() else []
@@ -194,6 +195,16 @@ class Resume(unittest.TestCase):
         (self.folder / "e.toml").write_text(EXPERIMENT)
         self.assertEqual(self.run_program("--resume").returncode, 0)
         self.expect_the_same()
+
+    def test_a_run_without_its_buffers_is_not_resumed_with_them(self):
+        with subprocess.Popen([a for a in self.command() if a != "--buffers"], cwd=self.folder,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+            while process.poll() is None and len(self.pieces()) < 3:
+                time.sleep(0.001)
+            process.kill()
+        refused = self.run_program("--resume")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("cannot be resumed: exports/0 was null and is \"buffers\"", refused.stderr)
 
     def test_a_changed_input_is_not_resumed(self):
         def write_mesh(height):

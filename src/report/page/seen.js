@@ -68,6 +68,24 @@ function reversalSentence() {
   ];
 }
 
+// Where the eye's limit lies among the errors: the least that is seen, which may be within the truth's doubt, and the
+// largest that is not.
+function seenSpanSentence() {
+  const inCase = (run) => cases.length > 1 ? ` in ${caseName(cases.find((c) => c.all.includes(run)))}` : "";
+  const known = runs.filter((run) => isNumber(seenOf(run).p95) && isNumber(relativeError(run)));
+  const byError = (a, b) => relativeError(a) - relativeError(b);
+  const seen = known.filter((run) => !isUnseen(run)).sort(byError)[0];
+  const unseen = known.filter((run) => isUnseen(run) && isDistinguishable(run)).sort(byError).pop();
+  if (!seen || !unseen) return null;
+  const crossed = relativeError(seen) < relativeError(unseen);
+  const how = isDistinguishable(seen) ? "" : ", which its exitance alone does not tell from the truth";
+  return [
+    `The least error that is seen is `, methodName(seen.label), `\u2019s ${percent(relativeError(seen))}${inCase(seen)}${how}`,
+    crossed ? ", less than the largest that is not, " : "; the largest that is not, ",
+    methodName(unseen.label), `\u2019s ${percent(relativeError(unseen))}${inCase(unseen)}.`
+  ];
+}
+
 // How the pictures were made, for who reads them.
 function seenNote() {
   const made = results.composite;

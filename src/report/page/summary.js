@@ -330,7 +330,7 @@ function skippedSentence() {
 function summaryText() {
   const sentences = [
     leastErrorSentence(), cheapestSentence(), worseThanNothingSentence(), inversionSentence(),
-    doubtSentence(), ...(hasSeen ? [unseenSentence(), reversalSentence()] : []), skippedSentence()
+    doubtSentence(), ...(hasSeen ? [unseenSentence(), seenSpanSentence(), reversalSentence()] : []), skippedSentence()
   ].filter(Boolean);
   return h(
       "div", {id: "words"}, verdict(),

@@ -16,7 +16,8 @@ const SWEEP_QUANTITIES = [
   {value: "own_rel_rmse", text: "against its own target", unit: "%", scale: 100, levels: true},
   {value: "halo_peak", text: "halo peak", unit: "%", scale: 100},
   {value: "p99", text: "99 % quantile", unit: "", scale: 1},
-  {value: "max", text: "largest", unit: "", scale: 1}
+  {value: "max", text: "largest", unit: "", scale: 1},
+  ...hasSeen ? [{value: "visible_mean", text: "FLIP as seen, mean", unit: "", scale: 1}] : []
 ];
 
 // Curves of one view under one profile belong in one chart.

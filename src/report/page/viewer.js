@@ -407,6 +407,9 @@ function chosenFacts() {
         isDistinguishable(run) ? percent(relativeError(run)) : "not distinguishable from the truth"
       ],
       ["p99 of |error|", scientific(value("metrics.p99"))], ["FLIP, mean", number(value("metrics.flip"))],
+      ...hasSeen && isNumber(seenOf(run).mean) ?
+          [["FLIP as seen, mean, 95 %", `${flipText(seenOf(run).mean)}, ${flipText(seenOf(run).p95)}`]] :
+          [],
       [
         "Halo peak, width",
         `${percent(value("metrics.halo.peak"))}, ${

@@ -104,6 +104,12 @@ class ReportInBrowser(unittest.TestCase):
         for label in runs:
             # Those that pass for the truth are named before "cannot", the others after it.
             self.assertEqual(said.find(label) < said.find("cannot be told"), label in unseen, label)
+        error = {label: run["metrics"]["rel_rmse"] for label, run in runs.items()}
+        seen = [label for label in runs if label not in unseen]
+        if seen and unseen:
+            least, most = min(seen, key=error.get), max(unseen, key=error.get)
+            self.assertIn(f"The least error that is seen is {least}", said)
+            self.assertIn(f"the largest that is not, {most}", said)
         column = self.page.evaluate("1 + COLUMNS.findIndex((column) => columnKey(column) === 'Seen.p95')")
         rows = self.page.evaluate(f"""[...document.querySelector('#metrics table.metrics').tBodies[0].rows].map(
             (tr) => [tr.cells[0].textContent.trim(), Number(tr.cells[{column}].dataset.value)])""")
