@@ -99,12 +99,19 @@ namespace {
 // a thousandth of what it stands for; the lossy compressions of EXR get further, but not by as much again.
 constexpr double kMostValues = 1024.0 * 1024.0 * 1024.0;
 constexpr double kMostValuesPerByte = 65536.0;
+// OpenImageIO (2.4) takes memory for 256 rows at once, however many there are: 1 GiB.
+constexpr double kMostValuesInRow = 1024.0 * 1024.0;
 
 void check_size(const std::filesystem::path& path, const PictureHeader& header) {
   const double values = static_cast<double>(header.width) * header.height * double(header.channels.size());
   if (values > kMostValues) {
     throw_input_error({path.string()}, "the image is {} x {} with {} channels; at most 2^30 values are read",
                       header.width, header.height, header.channels.size());
+  }
+  if (static_cast<double>(header.width) * double(header.channels.size()) > kMostValuesInRow) {
+    throw_input_error({path.string()},
+                      "the image is {} wide with {} channels; at most 2^20 values in a row are read",
+                      header.width, header.channels.size());
   }
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   if (values > kMostValuesPerByte * bytes) {

@@ -188,6 +188,9 @@ TEST(ReadImage, AsksForNoMoreThanAFileCanHold) {
                 .find("p.hdr: the image is 40000 x 40000 with 3 channels; at most 2^30 values"),
             std::string::npos)
       << refusal("-Y 40000 +X 40000");
+  EXPECT_NE(refusal("-Y 1 +X 400000").find("400000 wide with 3 channels; at most 2^20 values in a row"),
+            std::string::npos)
+      << refusal("-Y 1 +X 400000");
   EXPECT_NE(refusal("-Y 4000 +X 4000").find("which a file of 55 bytes cannot hold"), std::string::npos)
       << refusal("-Y 4000 +X 4000");
 }
