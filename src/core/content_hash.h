@@ -38,8 +38,8 @@ class ContentHash {
   std::unique_ptr<State> state_;
 };
 
-// ContentHash of a file's bytes, read piece by piece. Throws Error (input) that names the file if it cannot be
-// read.
+// ContentHash of a file's bytes, read piece by piece. Throws Error (input) that names the file if it cannot
+// be read.
 std::string hash_of_file(const std::filesystem::path& file);
 
 }  // namespace truescatter

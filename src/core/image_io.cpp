@@ -10,6 +10,7 @@
 #include "core/exr_header.h"
 #include "core/file.h"
 #include "core/image_codec.h"
+#include "core/plain_pictures.h"
 
 namespace truescatter {
 
@@ -17,7 +18,7 @@ std::filesystem::path image_codec_file() {
   std::filesystem::path file =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / kImageCodecFile;
   if (!std::filesystem::exists(file))
-    throw_run_error("{}: this part of the program, which reads and writes pictures, is missing",
+    throw_run_error("{}: this part of the program, which reads pictures, is missing",
                     file.string());
   return file;
 }
@@ -30,13 +31,8 @@ const ImageCodec* open_codec() {
   // POSIX has dlsym's pointer to an object be one to a function.
   void* symbol = library != nullptr ? dlsym(library, kImageCodecFunction) : nullptr;
   if (symbol == nullptr)
-    throw_run_error("cannot open the part of the program that reads and writes pictures: {}", dlerror());
+    throw_run_error("cannot open the part of the program that reads pictures: {}", dlerror());
   return reinterpret_cast<const ImageCodec* (*)()>(symbol)();
-}
-
-const ImageCodec& codec() {
-  static const ImageCodec* const kCodec = open_codec();
-  return *kCodec;
 }
 
 std::string channel_name(const ExrLayer& layer, int channel) {
@@ -48,20 +44,26 @@ std::string channel_name(const ExrLayer& layer, int channel) {
   return layer.name.empty() ? suffix : layer.name + "." + suffix;
 }
 
-void write_encoded(const std::filesystem::path& path, const EncodeRequest& request) {
+void write_encoded(const std::filesystem::path& path, const EncodeRequest& request,
+                   std::string (*encode)(const EncodeRequest&, std::vector<unsigned char>&)) {
   std::vector<unsigned char> bytes;
-  if (const std::string wrong = codec().encode(request, bytes); !wrong.empty())
+  if (const std::string wrong = encode(request, bytes); !wrong.empty())
     throw_run_error("{}: {}", path.string(), wrong);
   write_text_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace
 
+const ImageCodec& image_codec() {
+  static const ImageCodec* const kCodec = open_codec();
+  return *kCodec;
+}
+
 void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& layers,
                const ImageTexts& texts) {
   assert(!layers.empty());
   const Image& first = *layers.front().image;
-  EncodeRequest request{path.filename().string(), first.width(), first.height(), {}, true, nullptr, texts};
+  EncodeRequest request{first.width(), first.height(), {}, nullptr, texts};
   for (const ExrLayer& layer : layers) {
     assert(layer.image->width() == first.width() && layer.image->height() == first.height());
     for (int c = 0; c < layer.image->channels(); ++c) request.channels.push_back(channel_name(layer, c));
@@ -80,7 +82,7 @@ void write_exr(const std::filesystem::path& path, const std::vector<ExrLayer>& l
     offset += count;
   }
   request.pixels = pixels.data();
-  write_encoded(path, request);
+  write_encoded(path, request, encode_exr);
 }
 
 void write_png(const std::filesystem::path& path, const Image& image, const ImageTexts& texts) {
@@ -89,8 +91,7 @@ void write_png(const std::filesystem::path& path, const Image& image, const Imag
     return static_cast<unsigned char>(std::lround(std::clamp(v, 0.0F, 1.0F) * 255.0F));
   });
   const std::vector<std::string> unnamed(static_cast<std::size_t>(image.channels()));
-  write_encoded(
-      path, {path.filename().string(), image.width(), image.height(), unnamed, false, bytes.data(), texts});
+  write_encoded(path, {image.width(), image.height(), unnamed, bytes.data(), texts}, encode_png);
 }
 
 namespace {
@@ -141,7 +142,8 @@ Picture read_picture(const std::filesystem::path& path) {
     picture.image = Image(header.width, header.height, static_cast<int>(header.channels.size()));
     return picture.image.data().data();
   };
-  if (const std::string wrong = codec().decode(path, storage); !wrong.empty())
+  if (decode_plain_exr(path, storage)) return picture;
+  if (const std::string wrong = image_codec().decode(path, storage); !wrong.empty())
     throw_input_error({path.string()}, "{}", wrong);
   return picture;
 }
@@ -159,11 +161,12 @@ Image read_image(const std::filesystem::path& path, std::vector<std::string>* ch
 double image_values(const std::filesystem::path& path) {
   if (!wrong_exr_attribute(path).empty()) return 0.0;
   double values = 0.0;
-  // What is wrong is said by who reads it.
-  codec().decode(path, [&](const PictureHeader& header) {
+  const auto count = [&](const PictureHeader& header) {
     values = static_cast<double>(header.width) * header.height * double(header.channels.size());
     return static_cast<float*>(nullptr);
-  });
+  };
+  // What is wrong is said by who reads it.
+  if (!decode_plain_exr(path, count)) image_codec().decode(path, count);
   return values;
 }
 

@@ -6,12 +6,16 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/image_codec.h"
 
 namespace truescatter {
 
-// The library beside the program that knows pictures' formats (core/image_codec.h): a part of the program.
-// Throws Error (run) where it is missing, as do all functions here that read or write a file.
+// The library beside the program that knows all of pictures' formats (core/image_codec.h): a part of the
+// program. Throws Error (run) where it is missing.
 std::filesystem::path image_codec_file();
+
+// What it knows; opens it at the first call. Throws Error (run) where it cannot be opened.
+const ImageCodec& image_codec();
 
 // One group of channels of an EXR. Channel c is written as "<name>.<suffix c>", with the suffixes
 // R, G, B, A (colours), X, Y, Z (`vector`), or as plain "<name>" where there is one channel. An empty name
@@ -23,7 +27,6 @@ struct ExrLayer {
 };
 
 // Texts that a picture's file carries beside its pixels, by name: attributes of an EXR, tEXt chunks of a PNG.
-// "Software" is in every file: without one here the library names itself.
 using ImageTexts = std::map<std::string, std::string>;
 
 // Writes 32-bit float layers of equal size into one EXR, through a temporary file and a rename.

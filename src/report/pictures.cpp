@@ -12,6 +12,7 @@
 #include "core/image.h"
 #include "core/image_io.h"
 #include "core/parallel.h"
+#include "core/plain_pictures.h"
 #include "report/embed_text.h"
 
 namespace truescatter {
@@ -119,12 +120,14 @@ struct Picture {
 };
 
 Picture load_picture(const std::filesystem::path& file, std::size_t index, int max_width_px) {
-  const Image image = read_image(file);
-  Picture picture{image.width(), image.height(), "data:image/png;base64,"};
-  const bool keep = image.width() <= max_width_px && file.extension() == ".png";
-  picture.uri += base64(keep ? read_text_file(file)
-                             : png_bytes(scaled_down(image, std::min(image.width(), max_width_px)), index));
-  return picture;
+  constexpr const char* kStart = "data:image/png;base64,";
+  if (const PictureSize size = png_size(file); size.width > 0 && size.width <= max_width_px)
+    return {size.width, size.height, kStart + base64(read_text_file(file))};
+  Image image = read_image(file);
+  const int width = image.width();
+  const int height = image.height();
+  return {width, height,
+          kStart + base64(png_bytes(scaled_down(std::move(image), std::min(width, max_width_px)), index))};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/file.h"
+#include "core/plain_pictures.h"
 #include "support/error_of.h"
 #include "support/temp_dir.h"
 
@@ -81,6 +82,67 @@ TEST(Exr, ChannelsHaveTheirDocumentedNames) {
   std::sort(names.begin(), names.end());
   EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "error.B", "error.G", "error.R", "mask",
                                              "position.X", "position.Y", "position.Z"}));
+}
+
+// What reads every format and what reads those of truescatter's own files find the same: values to the bit,
+// channels in one order, texts.
+TEST(Exr, IsReadAlikeByBothReaders) {
+  const TempDir folder;
+  const fs::path path = folder.path() / "a.exr";
+  const Image three = random_bits(6, 5, 3, 1);
+  const Image four = random_bits(6, 5, 4, 2);
+  const Image one = random_bits(6, 5, 1, 3);
+  const Image vector = random_bits(6, 5, 3, 4);
+  const std::vector<std::vector<ExrLayer>> files = {
+      {{"", &three}},
+      {{"", &four}, {"error", &three}, {"mask", &one}},
+      {{"visible", &one}, {"position", &vector, true}, {"b", &four}, {"a", &three}},
+      {{"one", &one}},
+      {{"vector", &four, true}, {"", &three}, {"zebra", &one}, {"Lake", &one}, {"alpine", &one}}};
+  for (const std::vector<ExrLayer>& layers : files) {
+    write_exr(path, layers, {{"Software", "truescatter 1"}, {"truescatter:experiment", "abc"}});
+    PictureHeader header;
+    Image image;
+    const auto storage = [&](const PictureHeader& found) {
+      header = found;
+      image = Image(found.width, found.height, static_cast<int>(found.channels.size()));
+      return image.data().data();
+    };
+    ASSERT_EQ(image_codec().decode(path, storage), "");
+    const PictureHeader by_all = header;
+    const Image pixels = image;
+    ASSERT_TRUE(decode_plain_exr(path, storage));
+    EXPECT_EQ(header.channels, by_all.channels);
+    expect_same_bits(image, pixels);
+    for (const char* text : {"Software", "truescatter:experiment"})
+      EXPECT_EQ(header.texts.at(text), by_all.texts.at(text));
+    EXPECT_TRUE(header.is_float && by_all.is_float);
+  }
+}
+
+// Order among these names is OpenImageIO's to know.
+TEST(Exr, LeavesUnusualNamesToWhoReadsAllFiles) {
+  const TempDir folder;
+  const fs::path path = folder.path() / "a.exr";
+  const Image one = random_bits(6, 5, 1, 3);
+  const Image four = random_bits(6, 5, 4, 2);
+  const auto storage = [](const PictureHeader&) { return static_cast<float*>(nullptr); };
+  for (const std::vector<ExrLayer>& layers : {std::vector<ExrLayer>{{"", &one}, {"mask", &one}},
+                                              {{"", &four}, {"Z", &one}},
+                                              {{"r", &one}, {"g", &one}}}) {
+    write_exr(path, layers);
+    EXPECT_FALSE(decode_plain_exr(path, storage));
+    EXPECT_EQ(read_image(path).channels(), layers.front().image->channels() + 1);
+  }
+}
+
+TEST(WritePng, HasItsSizeInItsHeader) {
+  const TempDir folder;
+  write_png(folder.path() / "a.png", Image(70000, 3, 1, 0.5F));
+  EXPECT_EQ(png_size(folder.path() / "a.png").width, 70000);
+  EXPECT_EQ(png_size(folder.path() / "a.png").height, 3);
+  EXPECT_EQ(png_size(folder.write("b.png", "no picture at all, but as long as a header of one")).width, 0);
+  EXPECT_EQ(png_size(folder.path() / "none.png").width, 0);
 }
 
 TEST(Exr, AMissingLayerNamesTheFileAndWhatThereIs) {
