@@ -28,6 +28,13 @@ class CachedSource : public LayerSource {
   void forget(std::span<const TruthLayer> layers) const override {
     for (std::size_t l = 0; l < layers.size(); ++l) cache_.forget(key_of(layers, l));
   }
+  bool are_kept(std::span<const TruthLayer> layers) const override {
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+      if (!cache_.has(key_of(layers, l))) return false;
+    }
+    return true;
+  }
+  CacheClaim claim() const override { return cache_.claim(content_key_); }
   TruthValues audit_values(std::span<const std::uint32_t> chosen,
                            std::span<const TruthLayer> layers) const override {
     return source_->audit_values(chosen, layers);

@@ -9,6 +9,7 @@
 
 #include "experiment/view_points.h"
 #include "methods/method.h"
+#include "truth/cache.h"
 #include "truth/geodesic_surface.h"
 #include "truth/surface.h"
 
@@ -62,6 +63,10 @@ class LayerSource {
   virtual void keep(std::span<const TruthLayer> /*layers*/, std::size_t /*l*/,
                     const ComputedLayer& /*computed*/) const {}
   virtual void forget(std::span<const TruthLayer> /*layers*/) const {}
+  // Whether all of these layers are kept; if not, what is to be held until they are, so that no other process
+  // computes them too.
+  virtual bool are_kept(std::span<const TruthLayer> /*layers*/) const { return true; }
+  virtual CacheClaim claim() const { return {}; }
 };
 
 // Each layer by itself: the engine shares nothing between layers. `largest_irradiance`: of the scene. A

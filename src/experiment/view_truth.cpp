@@ -136,16 +136,27 @@ ViewTruth::Wanted ViewTruth::wanted_layers(const std::vector<Request>& requests)
   return wanted;
 }
 
+CacheClaim ViewTruth::claim_of(const Wanted& wanted,
+                               const std::vector<std::unique_ptr<LayerSource>>& sources) {
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    if (!sources[k]->are_kept(wanted[k].second)) return sources.front()->claim();
+  }
+  return {};
+}
+
 void ViewTruth::compute(const std::vector<Request>& requests, const TruthSpec& spec,
                         const SourceOf& source_of, const GeodesicSurface* geodesic) {
   assert(points_.size() > 0);
   tolerance_ = spec.tolerance;
   const Wanted wanted = wanted_layers(requests);
   std::vector<std::unique_ptr<LayerSource>> sources;
-  for (const auto& [kind, layers] : wanted) {
-    sources.push_back(source_of(kind, points_));
-    compute_kind(kind, layers, *sources.back());
-  }
+  sources.reserve(wanted.size());
+  for (const auto& [kind, layers] : wanted) sources.push_back(source_of(kind, points_));
+  // One claim for all of a view's layers, until they have passed their audit and are kept: who holds one and
+  // waits for another could wait for ever.
+  const CacheClaim claim = claim_of(wanted, sources);
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    compute_kind(wanted[k].first, wanted[k].second, *sources[k]);
   const auto narrowest = std::min_element(
       layers_.begin(), layers_.end(),
       [](const LayerResult& a, const LayerResult& b) { return a.layer.std_dev_mm < b.layer.std_dev_mm; });

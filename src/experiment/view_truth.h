@@ -101,6 +101,8 @@ class ViewTruth {
   };
 
   Wanted wanted_layers(const std::vector<Request>& requests) const;
+  // To nothing where all of them are kept.
+  static CacheClaim claim_of(const Wanted& wanted, const std::vector<std::unique_ptr<LayerSource>>& sources);
   std::vector<double> visibility_bounds(const Request& request) const;
   TruthLayer layer_of(double variance_mm2, const OwnTarget& target) const {
     return truth_layer(variance_mm2, target, tolerance_);

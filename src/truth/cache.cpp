@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -109,7 +111,41 @@ std::string variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
+// Whether a file still has its name.
+bool is_at(int descriptor, const fs::path& path) {
+  struct stat open_file {};
+  struct stat named {};
+  return fstat(descriptor, &open_file) == 0 && stat(path.c_str(), &named) == 0 &&
+         open_file.st_dev == named.st_dev && open_file.st_ino == named.st_ino;
+}
+
+// Whether the file could be locked. EWOULDBLOCK alone means that another process has it.
+bool lock_when_free(int descriptor, const fs::path& path) {
+  if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return true;
+  if (errno != EWOULDBLOCK) return false;
+  note(path, "another process computes this truth; waiting for it");
+  int result = 0;
+  do result = flock(descriptor, LOCK_EX);
+  while (result != 0 && errno == EINTR);
+  return result == 0;
+}
+
 }  // namespace
+
+CacheClaim::CacheClaim(CacheClaim&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), file_(std::move(other.file_)) {}
+
+CacheClaim& CacheClaim::operator=(CacheClaim&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(file_, other.file_);
+  return *this;
+}
+
+CacheClaim::~CacheClaim() {
+  if (descriptor_ < 0) return;
+  unlink(file_.c_str());  // while it is locked: who waits for it finds that the name is gone
+  close(descriptor_);
+}
 
 TruthCache::TruthCache(fs::path folder, std::uintmax_t limit_bytes)
     : folder_(std::move(folder)), limit_bytes_(limit_bytes) {}
@@ -127,6 +163,7 @@ std::optional<CachedLayer> TruthCache::find(const std::string& key, std::size_t 
   if (stream) layer = from_bytes(key, points, bytes);
   std::error_code failure;
   if (layer) {
+    ++found_;
     fs::last_write_time(file, fs::file_time_type::clock::now(), failure);  // for the least recently used
     return layer;
   }
@@ -140,6 +177,28 @@ void TruthCache::forget(const std::string& key) {
   fs::remove(file_of(key), failure);
 }
 
+bool TruthCache::has(const std::string& key) const {
+  std::error_code failure;
+  return fs::exists(file_of(key), failure);
+}
+
+CacheClaim TruthCache::claim(const std::string& key) {
+  if (!writes_ || limit_bytes_ == 0) return {};  // what is computed meanwhile would not be found here
+  std::error_code failure;
+  fs::create_directories(folder_, failure);
+  const fs::path file = folder_ / ("." + key + ".lock");
+  while (true) {
+    const int descriptor = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor < 0) return {};
+    CacheClaim claim(descriptor, file);
+    const bool locked = lock_when_free(descriptor, file);
+    if (locked && is_at(descriptor, file)) return claim;
+    // The name is not this file's, or not this process's: neither is it this one's to remove.
+    close(std::exchange(claim.descriptor_, -1));
+    if (!locked) return {};
+  }
+}
+
 void TruthCache::store(const std::string& key, const CachedLayer& layer) {
   if (!writes_) return;
   const std::string bytes = to_bytes(key, layer);
@@ -148,7 +207,9 @@ void TruthCache::store(const std::string& key, const CachedLayer& layer) {
   fs::create_directories(folder_, failure);
   if (failure) return give_up(failure.message());
   remove_stale_temporaries();
-  if (write(file_of(key), bytes)) keep_to_limit();
+  if (!write(file_of(key), bytes)) return;
+  ++stored_;
+  keep_to_limit();
 }
 
 bool TruthCache::write(const fs::path& file, const std::string& bytes) {

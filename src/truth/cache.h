@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/vec.h"
@@ -15,6 +16,23 @@ namespace truescatter {
 struct CachedLayer {
   std::vector<Vec4d> values;
   double seconds = 0.0;
+};
+
+// The right to compute what a cache lacks: while it lives, others who claim the same wait. The system takes
+// it back from a process that dies.
+class CacheClaim {
+ public:
+  CacheClaim() = default;  // to nothing
+  CacheClaim(CacheClaim&& other) noexcept;
+  CacheClaim& operator=(CacheClaim&& other) noexcept;
+  ~CacheClaim();
+
+ private:
+  friend class TruthCache;
+  CacheClaim(int descriptor, std::filesystem::path file) : descriptor_(descriptor), file_(std::move(file)) {}
+
+  int descriptor_ = -1;
+  std::filesystem::path file_;
 };
 
 // Layers of truths on disk, one file for each, named by a hash of all that the values depend on. Several
@@ -33,8 +51,18 @@ class TruthCache {
   std::optional<CachedLayer> find(const std::string& key, std::size_t points);
   void store(const std::string& key, const CachedLayer& layer);
   void forget(const std::string& key);
+  // Whether a layer of this key is there, whole or damaged.
+  bool has(const std::string& key) const;
+
+  // Waits, with a note on standard error, for the process that has claimed this, if one has; who asks for the
+  // same layers looks for them again then. A file system without locks (flock) gives all of them their claim
+  // at once: work is done twice, and nothing is lost.
+  CacheClaim claim(const std::string& key);
 
   const std::filesystem::path& folder() const { return folder_; }
+  // How many layers were found, and how many stored, as long as this object lives.
+  std::size_t found_count() const { return found_; }
+  std::size_t stored_count() const { return stored_; }
 
  private:
   std::filesystem::path file_of(const std::string& key) const;
@@ -46,6 +74,8 @@ class TruthCache {
   std::filesystem::path folder_;
   std::uintmax_t limit_bytes_;
   bool writes_ = true;  // until a write fails
+  std::size_t found_ = 0;
+  std::size_t stored_ = 0;
 };
 
 // The user's cache: in $TRUESCATTER_CACHE, else $XDG_CACHE_HOME/truescatter, else ~/.cache/truescatter, of
