@@ -10,6 +10,7 @@
 #include "core/image_io.h"
 #include "core/parallel.h"
 #include "experiment/memory_estimate.h"
+#include "experiment/merge_parts.h"
 #include "experiment/metrics_json.h"
 #include "experiment/plan.h"
 #include "experiment/provenance.h"
@@ -101,16 +102,27 @@ void keep_for_resume(ResultFolder& results) {
   fmt::print(stderr, "note: {}\n", kHowToGoOn);
 }
 
-RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunArguments& arguments) {
+RunOptions options_of(const RunArguments& arguments) {
+  RunOptions options{arguments.gl,
+                     arguments.export_inputs,
+                     arguments.export_passes,
+                     arguments.buffers,
+                     memory_limit(arguments.memory_limit),
+                     arguments.resume};
+  if (arguments.part.empty()) return options;
+  options.part = parse_part(arguments.part);
+  options.times_shared = options.part->count > 1 && !arguments.whole_node;
+  return options;
+}
+
+RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunArguments& arguments,
+                  const RunOptions& options) {
   const std::unique_ptr<TruthCache> cache =
       spec.truth.cache && !arguments.no_cache ? open_user_cache() : nullptr;
   try {
-    const RunOutcome outcome =
-        run_experiment(spec, results.working(), cache.get(), {},
-                       {arguments.gl, arguments.export_inputs, arguments.export_passes, arguments.buffers,
-                        memory_limit(arguments.memory_limit), arguments.resume});
-    write_report(results.working());
-    results.publish();
+    RunOutcome outcome = run_experiment(spec, results.working(), cache.get(), {}, options);
+    if (!options.part) write_report(results.working());
+    results.publish(options.part.has_value());
     return outcome;
   } catch (const Error& error) {
     // The disk may have room again, and the driver another mood; what an experiment says wrong stays wrong.
@@ -122,32 +134,61 @@ RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunAr
   }
 }
 
+std::filesystem::path default_folder(const ExperimentSpec& spec, const std::optional<ExperimentPart>& part) {
+  const std::string share = part ? fmt::format(".part-{}-of-{}", part->index, part->count) : "";
+  return std::filesystem::path("runs") / (spec.name + share);
+}
+
+int dry_run(const ExperimentSpec& spec, const RunOptions& options, const std::filesystem::path& folder) {
+  const std::vector<ExperimentSpec> points = sweep_points(spec);
+  std::vector<Plan> plans;
+  std::vector<ScenePlan> scenes;
+  std::string text;
+  for (const ExperimentSpec& point : points) {
+    plans.push_back(make_plan(point, options.export_inputs));
+    const Plan& plan = plans.back();
+    refuse_beyond_memory(point, plan, {}, options.memory_limit_bytes);
+    check_shaders(plan, options.gl);
+    const SceneOutline scene = check_scene(point);
+    refuse_beyond_memory(point, plan, size_of(scene), options.memory_limit_bytes);
+    text += describe_plan(point, plan, scene) + describe_memory(point, plan, size_of(scene));
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) scenes.push_back({points[i], plans[i]});
+  check_destination(folder);
+  fmt::print("{}{}output {}: {}\n", text, describe_pieces(scenes, options.part, folder), folder.string(),
+             std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
+  return 0;
+}
+
 }  // namespace
 
 int run(const RunArguments& arguments) {
   const JobLimit limit(arguments.jobs);
   const ExperimentSpec spec = read_experiment(arguments.experiment, arguments.overrides);
+  const RunOptions options = options_of(arguments);
   const std::filesystem::path folder =
-      arguments.out.empty() ? std::filesystem::path("runs") / spec.name : arguments.out;
-  if (arguments.dry_run) {
-    std::string text;
-    for (const ExperimentSpec& point : sweep_points(spec)) {
-      const Plan plan = make_plan(point, arguments.export_inputs);
-      refuse_beyond_memory(point, plan, {}, memory_limit(arguments.memory_limit));
-      check_shaders(plan, arguments.gl);
-      const SceneOutline scene = check_scene(point);
-      refuse_beyond_memory(point, plan, size_of(scene), memory_limit(arguments.memory_limit));
-      text += describe_plan(point, plan, scene) + describe_memory(point, plan, size_of(scene));
-    }
-    check_destination(folder);
-    fmt::print("{}output {}: {}\n", text, folder.string(),
-               std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
+      arguments.out.empty() ? default_folder(spec, options.part) : arguments.out;
+  if (arguments.dry_run) return dry_run(spec, options, folder);
+  if (options.part && options.resume && is_finished_part(folder, *options.part, spec, exports_of(options))) {
+    fmt::print(stderr, "part {} is finished already\n", options.part->str());
+    fmt::print("{}\n", folder.string());
     return 0;
   }
   ResultFolder results(folder, arguments.resume);
   const InterruptNote note(kHowToGoOn);
-  const RunOutcome outcome = run_in(results, spec, arguments);
-  fmt::print("{}\n", (folder / "report.html").string());
+  const RunOutcome outcome = run_in(results, spec, arguments, options);
+  fmt::print("{}\n", (options.part ? folder : folder / "report.html").string());
+  for (const std::string& line : outcome.exceeded) fmt::print(stderr, "exceeded: {}\n", line);
+  return outcome.exceeded.empty() ? 0 : 1;
+}
+
+int merge(const MergeArguments& arguments) {
+  const std::vector<PartResult> parts = read_parts(arguments.parts);
+  ResultFolder results(arguments.out);
+  const RunOutcome outcome = merge_parts(parts, results.working());
+  write_report(results.working());
+  results.publish();
+  fmt::print("{}\n", (arguments.out / "report.html").string());
   for (const std::string& line : outcome.exceeded) fmt::print(stderr, "exceeded: {}\n", line);
   return outcome.exceeded.empty() ? 0 : 1;
 }

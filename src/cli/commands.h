@@ -24,8 +24,17 @@ struct RunArguments {
   std::string memory_limit;    // in GiB, as the user gave it; empty: default_memory_limit()
   bool no_cache = false;       // truths are neither taken from the cache nor kept there
   bool resume = false;         // goes on from what a run that was cut off has finished
+  std::string part;            // "2/8": this share of the pieces alone; empty: all of them
+  bool whole_node = false;  // of a part: nothing else runs on the machine, so that times are fit for charts
 };
 int run(const RunArguments& arguments);
+
+// One result and report out of the parts of an experiment.
+struct MergeArguments {
+  std::vector<std::filesystem::path> parts;
+  std::filesystem::path out;
+};
+int merge(const MergeArguments& arguments);
 
 // The truth alone, at given points. Numbers are texts here, as the user gave them.
 struct TruthArguments {

@@ -14,6 +14,7 @@ namespace {
 using truescatter::cli::AdviseArguments;
 using truescatter::cli::CompareArguments;
 using truescatter::cli::FitArguments;
+using truescatter::cli::MergeArguments;
 using truescatter::cli::RunArguments;
 using truescatter::cli::TruthArguments;
 
@@ -67,6 +68,12 @@ int dispatch(int argc, char** argv) {
       "Memory in GiB that a run may take: one that is estimated to need more is refused (default: 16, or the "
       "machine's where that is less)";
   run->add_option("--memory-limit", run_arguments.memory_limit, kMemoryLimit);
+  CLI::Option* part =
+      run->add_option("--part", run_arguments.part,
+                      "Compute one share of the pieces alone, INDEX/COUNT: 2/8; merge joins them");
+  run->add_flag("--whole-node", run_arguments.whole_node,
+                "Nothing else runs on this machine: a part's times are fit for speed charts")
+      ->needs(part);
   run->add_flag("--no-cache", run_arguments.no_cache, "Compute every truth, and keep none in the cache");
 
   TruthArguments truth_arguments;
@@ -168,6 +175,12 @@ int dispatch(int argc, char** argv) {
   advise->add_option("--memory-limit", advise_arguments.memory_limit, kMemoryLimit);
   advise->add_flag("--json", advise_arguments.json, "Print JSON");
 
+  MergeArguments merge_arguments;
+  CLI::App* merge =
+      app.add_subcommand("merge", "Join the parts of an experiment (run --part) into one result");
+  merge->add_option("parts", merge_arguments.parts, "The parts' folders")->required();
+  merge->add_option("--out", merge_arguments.out, "Folder for the results")->required();
+
   std::string folder;
   CLI::App* report = app.add_subcommand("report", "Write a result folder's report again");
   report->add_option("folder", folder, "Result folder")->required();
@@ -187,6 +200,7 @@ int dispatch(int argc, char** argv) {
   if (fit->parsed()) return truescatter::cli::fit(fit_arguments);
   if (compare->parsed()) return truescatter::cli::compare(compare_arguments);
   if (advise->parsed()) return truescatter::cli::advise(advise_arguments);
+  if (merge->parsed()) return truescatter::cli::merge(merge_arguments);
   if (report->parsed()) return truescatter::cli::report(folder);
   if (list->parsed()) return truescatter::cli::list();
   return kUsageError;

@@ -243,7 +243,8 @@ struct StabilitySpec {
 // A bound on a headline metric; exceeding it ends the run with exit code 1.
 struct ThresholdSpec {
   std::string method;  // a method's label
-  std::string metric;  // bias, mae, rmse, rel_rmse, p50, p95, p99, max
+  // bias, mae, rmse, rel_rmse, p50, p95, p99, max; with [composite] visible_mean, _p95, _above_005, _above_01
+  std::string metric;
   double maximum = 0.0;
   SourceLocation where;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <utility>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -14,7 +15,7 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr const char* kFolder = "pieces";
-constexpr const char* kKey = "key.json";
+constexpr const char* kKey = PieceStore::kKeyFile;
 
 std::string name_of(Piece::Kind kind) {
   switch (kind) {
@@ -70,12 +71,15 @@ std::vector<Piece> pieces_of(const ExperimentSpec& point, const Plan& plan) {
   return pieces;
 }
 
-PieceStore::PieceStore(const fs::path& working) : working_(working), folder_(working / kFolder) {
+PieceStore::PieceStore(const fs::path& working, std::set<std::string> elsewhere)
+    : working_(working), folder_(working / kFolder), elsewhere_(std::move(elsewhere)) {
   make_folder(folder_);
   make_folder(maps());
 }
 
-bool PieceStore::has(const Piece& piece) const { return fs::exists(folder_ / (piece.id() + ".json")); }
+bool PieceStore::has(const Piece& piece) const {
+  return is_elsewhere(piece) || fs::exists(folder_ / (piece.id() + ".json"));
+}
 
 json PieceStore::read(const Piece& piece) const { return read_json(folder_ / (piece.id() + ".json")); }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,9 +48,14 @@ std::vector<Piece> pieces_of(const ExperimentSpec& point, const Plan& plan);
 // to.
 class PieceStore {
  public:
-  // Makes the folder if it is not there. Throws Error (run) if it cannot be made.
-  explicit PieceStore(const std::filesystem::path& working);
+  static constexpr const char* kKeyFile = "key.json";
 
+  // Makes the folder if it is not there. `elsewhere`: ids of pieces that are not this run's to compute, for
+  // another part of the experiment does. Throws Error (run) if it cannot be made.
+  explicit PieceStore(const std::filesystem::path& working, std::set<std::string> elsewhere = {});
+
+  bool is_elsewhere(const Piece& piece) const { return elsewhere_.count(piece.id()) > 0; }
+  // Whether nothing is left to do for it here: it is finished, or elsewhere.
   bool has(const Piece& piece) const;
   // Throws Error (run) that names the file if it is not there or is no JSON.
   nlohmann::json read(const Piece& piece) const;
@@ -70,6 +76,7 @@ class PieceStore {
  private:
   std::filesystem::path working_;
   std::filesystem::path folder_;
+  std::set<std::string> elsewhere_;
 };
 
 // Whether pieces lie in a run's working folder.

@@ -61,6 +61,8 @@ std::string now_utc() {
                      utc.tm_hour, utc.tm_min, utc.tm_sec);
 }
 
+std::string experiment_hash(const ExperimentSpec& spec) { return hash_of(to_toml(spec)); }
+
 std::string software_name() {
   return fmt::format("truescatter {} ({}{})", TRUESCATTER_VERSION, TRUESCATTER_COMMIT,
                      TRUESCATTER_COMMIT_DIRTY ? " with changes" : "");
@@ -99,7 +101,7 @@ json provenance(const gpu::Context& context, const ExperimentSpec& spec) {
   entries["gl_version"] = context.version();
   entries["rasteriser_threads"] = context.rasteriser_threads();
   entries["machine"] = machine();
-  entries["experiment"] = hash_of(to_toml(spec));
+  entries["experiment"] = experiment_hash(spec);
   entries["inputs"] = input_hashes(spec);
   return entries;
 }

@@ -11,6 +11,9 @@
 
 namespace truescatter {
 
+// Of an experiment as its resolved file states it.
+std::string experiment_hash(const ExperimentSpec& spec);
+
 // The program as pictures and sources name it: "truescatter 1.2.3 (COMMIT)", or "(COMMIT with changes)" of a
 // checkout that had some.
 std::string software_name();

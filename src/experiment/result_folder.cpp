@@ -18,6 +18,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "experiment/parts.h"
 #include "experiment/pieces.h"
 
 namespace truescatter {
@@ -30,8 +31,8 @@ const std::map<std::string, std::vector<std::string>, std::less<>> kFolders = {{
                                                                                {"inputs", {".exr", ".json"}},
                                                                                {"passes", {".png", ".exr"}},
                                                                                {"pieces", {".json", ".exr"}}};
-constexpr std::array<std::string_view, 4> kFiles = {"report.html", "results.json", "results.csv",
-                                                    "experiment.resolved.toml"};
+constexpr std::array<std::string_view, 5> kFiles = {"report.html", "results.json", "results.csv",
+                                                    "experiment.resolved.toml", kPartFile};
 
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::error_code failure;
@@ -67,15 +68,18 @@ std::optional<fs::path> foreign_entry(const fs::path& folder) {
   return std::nullopt;
 }
 
-// Whether a folder's results.json says that `run` wrote it, in this version or another.
-bool has_results(const fs::path& folder) {
-  const fs::path file = folder / "results.json";
+bool has_schema(const fs::path& file, std::string_view start) {
   if (!is_plain_file(file)) return false;
   const nlohmann::json results = nlohmann::json::parse(read_text_file(file), nullptr, false);
   if (!results.is_object()) return false;
   const auto schema = results.find("schema");
-  return schema != results.end() && schema->is_string() &&
-         schema->get<std::string>().starts_with("truescatter-results-");
+  return schema != results.end() && schema->is_string() && schema->get<std::string>().starts_with(start);
+}
+
+// Whether a folder's results.json or part.json says that `run` wrote it, in this version or another.
+bool has_results(const fs::path& folder) {
+  return has_schema(folder / "results.json", "truescatter-results-") ||
+         has_schema(folder / kPartFile, "truescatter-part-");
 }
 
 // The folder itself: absolute, without a slash at its end, and where a link leads.
@@ -233,6 +237,18 @@ void discard_leftovers(const fs::path& destination) {
   }
 }
 
+fs::path pieces_left_for(const fs::path& destination) {
+  fs::path latest;
+  for (const Leftover& left : leftovers_of(resolved(destination))) {
+    const fs::path pieces = left.folder / "pieces";
+    if (has_pieces(left.folder) &&
+        (latest.empty() || fs::last_write_time(pieces) > fs::last_write_time(latest)))
+      latest = pieces;
+    close(left.lock);
+  }
+  return latest;
+}
+
 ResultFolder::ResultFolder(const fs::path& destination, bool resume)
     : target_(resolved(destination)), working_(beside(target_, "part")) {
   check_destination(destination);
@@ -294,11 +310,11 @@ ResultFolder::~ResultFolder() {
   close(lock_);
 }
 
-void ResultFolder::publish() {
+void ResultFolder::publish(bool with_pieces) {
   exchange();
   // Now, not before: what cannot be put in its place can be resumed.
   try {
-    remove_pieces(target_);
+    if (!with_pieces) remove_pieces(target_);
   } catch (const Error& error) {
     note(target_, error.what());
   }

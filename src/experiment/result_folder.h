@@ -14,6 +14,9 @@ void check_destination(const std::filesystem::path& destination);
 // on from.
 void discard_leftovers(const std::filesystem::path& destination);
 
+// The folder of the pieces that a run with `resume` would go on from; empty: there are none.
+std::filesystem::path pieces_left_for(const std::filesystem::path& destination);
+
 // A result folder that appears whole or not at all. All files are written to a temporary folder beside it,
 // `.<name>.<process>.part`, which `publish` puts in its place; until then an earlier result stays as it is,
 // and an object that goes without `publish` or `keep` takes the temporary folder with it. The temporary
@@ -35,11 +38,11 @@ class ResultFolder {
   const std::filesystem::path& working() const { return working_; }
   // Leaves the temporary folder where it is if this is not published.
   void keep() { kept_ = true; }
-  // Puts the folder in its place and removes its pieces, what runs that were cut off have left, and the
-  // earlier result (keeps it beside, with a note, if somebody has put other files there since the run
-  // began). Throws Error (run) if that fails; the earlier result is
-  // in its place then.
-  void publish();
+  // Puts the folder in its place and removes its pieces (which are the result of a part, and stay then), what
+  // runs that were cut off have left, and the earlier result (keeps it beside, with a note, if somebody has
+  // put other files there since the run began). Throws Error (run) if that fails; the earlier result is in
+  // its place then.
+  void publish(bool with_pieces = false);
 
  private:
   void make_parents();

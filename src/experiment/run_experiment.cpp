@@ -7,13 +7,9 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "experiment/filter_width.h"
-#include "experiment/join_pieces.h"
-#include "experiment/map_files.h"
 #include "experiment/pieces.h"
 #include "experiment/plan.h"
 #include "experiment/provenance.h"
-#include "experiment/result_json.h"
-#include "experiment/results.h"
 #include "experiment/scene_setup.h"
 #include "experiment/sweep.h"
 #include "experiment/view_composite.h"
@@ -37,6 +33,7 @@ struct Shared {
   const Compositor* compositor;
   KnownWidths& widths;
   std::uint64_t memory_limit_bytes;
+  bool times_shared;
 };
 
 // Computes the pieces of a scene that are not finished.
@@ -56,9 +53,19 @@ void run_scene(const ScenePlan& what, const Shared& shared) {
   });
   const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, shared.cache,
                            shared.wrap);
-  const Setup setup{spec,          plan,          scene,          shared.context,
-                    buffers,       truths,        shared.pieces,  shared.origin,
-                    shared.inputs, shared.passes, shared.buffers, shared.compositor};
+  const Setup setup{spec,
+                    plan,
+                    scene,
+                    shared.context,
+                    buffers,
+                    truths,
+                    shared.pieces,
+                    shared.origin,
+                    shared.inputs,
+                    shared.passes,
+                    shared.buffers,
+                    shared.compositor,
+                    shared.times_shared};
   for (const ViewSpec& view : spec.views) run_view(setup, view);
   for (const Piece& piece : pieces_of(spec, plan)) {
     if (piece.kind == Piece::Kind::widths && !shared.pieces.has(piece))
@@ -72,7 +79,8 @@ struct Finished {
 };
 
 Finished finished_of(const ScenePlan& scene, const PieceStore& pieces) {
-  const std::vector<Piece> all = pieces_of(scene.spec, scene.plan);
+  std::vector<Piece> all = pieces_of(scene.spec, scene.plan);
+  std::erase_if(all, [&](const Piece& piece) { return pieces.is_elsewhere(piece); });
   const auto finished =
       std::count_if(all.begin(), all.end(), [&](const Piece& piece) { return pieces.has(piece); });
   return {static_cast<std::size_t>(finished), all.size()};
@@ -117,10 +125,8 @@ std::vector<Plan> make_plans(const std::vector<ExperimentSpec>& points, const Ru
 
 json key_of(const gpu::Context& context, const ExperimentSpec& spec, const RunOptions& options) {
   json key = provenance(context, spec);
-  key["exports"] = json::array();
-  if (options.export_inputs) key["exports"].push_back("inputs");
-  if (options.export_passes) key["exports"].push_back("passes");
-  if (options.buffers) key["exports"].push_back("buffers");
+  key["exports"] = exports_of(options);
+  if (options.part) key["part"] = options.part->str();
   return key;
 }
 
@@ -140,6 +146,14 @@ json start_pieces(PieceStore& pieces, const json& key, bool resume) {
 
 }  // namespace
 
+json exports_of(const RunOptions& options) {
+  json exports = json::array();
+  if (options.export_inputs) exports.push_back("inputs");
+  if (options.export_passes) exports.push_back("passes");
+  if (options.buffers) exports.push_back("buffers");
+  return exports;
+}
+
 RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::path& folder, TruthCache* cache,
                           const SourceWrapper& wrap, const RunOptions& options) {
   const std::vector<ExperimentSpec> points = sweep_points(spec);
@@ -153,7 +167,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   const std::filesystem::path passes = options.export_passes || options.buffers ? folder / "passes" : "";
   if (!passes.empty()) make_folder(passes);
 
-  PieceStore pieces(folder);
+  PieceStore pieces(folder, options.part ? pieces_elsewhere(scenes, *options.part) : std::set<std::string>());
   const json key = start_pieces(pieces, key_of(context, spec, options), options.resume);
   say_finished(scenes, pieces);
   const ImageTexts origin = picture_origin(key);
@@ -162,31 +176,15 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   KnownWidths widths;
   run_scenes(spec, scenes,
              {context, cache, wrap, pieces, origin, inputs, passes, options.buffers,
-              compositor ? &*compositor : nullptr, widths, options.memory_limit_bytes});
+              compositor ? &*compositor : nullptr, widths, options.memory_limit_bytes, options.times_shared});
 
-  json results = join_pieces(spec, scenes, pieces);
-  results["schema"] = kResultsSchema;
-  const MapRanges ranges = common_ranges(results);
-  const std::vector<ViewPictures> first = pictures_of(scenes.front(), pieces);
-  results["maps"] = {{"range", ranges.errors},
-                     {"ladder_range", ranges.ladder_steps},
-                     {"quantity", "luminance"},
-                     {"exposure", first.front().exposure}};
-  if (spec.composite) results["maps"]["visible_range"] = kVisibleRange;
-  results["provenance"] = key;
-  results["provenance"]["finished_utc"] = now_utc();
-  results["provenance"]["memory"] = {{"peak_bytes", peak_memory()},
-                                     {"limit_bytes", options.memory_limit_bytes}};
-  const std::vector<std::string> exceeded = exceeded_thresholds(results, spec.thresholds);
-  results["exceeded"] = exceeded;
-  for (const ScenePlan& scene : scenes) {
-    for (const ViewPictures& view : pictures_of(scene, pieces))
-      write_map_pictures(view, pieces.maps(), ranges, origin);
-  }
+  const MemoryTaken memory{peak_memory(), options.memory_limit_bytes};
+  if (!options.part) return write_results(spec, scenes, pieces, key, memory, folder);
   write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
-  write_text_file(folder / "results.csv", results_csv(results));
-  write_text_file(folder / "results.json", results.dump(1) + "\n");
-  return {exceeded};
+  const PartWork work{memory, cache != nullptr ? cache->stored_count() : 0,
+                      cache != nullptr ? cache->found_count() : 0};
+  write_part(folder, *options.part, pieces_of_part(scenes, *options.part), key, work);
+  return {};
 }
 
 }  // namespace truescatter

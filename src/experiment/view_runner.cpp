@@ -88,6 +88,7 @@ Measured draw_and_time(const Setup& setup, const MethodInputs& inputs, const Met
                    {"passes", counts.passes},
                    {"fetches_per_pixel", counts.texels_read * per_pixel},
                    {"bytes_per_pixel", counts.bytes_read * per_pixel}};
+  if (setup.times_shared) measured.cost["frame_ms"]["shared"] = true;
   return measured;
 }
 

@@ -27,6 +27,7 @@ struct Setup {
   std::filesystem::path passes = {};       // the folder for the textures that methods name; the same
   bool buffers = false;                    // what a view has before any method draws is written there too
   const Compositor* compositor = nullptr;  // with [composite]
+  bool times_shared = false;               // with other work on the machine
 
   double exposure() const { return 1.0 / scene.largest_irradiance; }
 };

@@ -82,6 +82,7 @@ struct Method {
   std::string source;
   bool needs_uvs = false;
   bool masks_its_taps = true;  // takes no light from what is not skin
+  bool reads_all_within_r_max = false;  // every pixel of a disc, which tells seconds from minutes
   NumericLimits limits;
   MethodMemory memory;
   std::vector<SettingSpec> settings;

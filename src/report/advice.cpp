@@ -124,6 +124,11 @@ double error_of(const json& run, const std::string& metric) {
   return rmse > 0.0 ? number_at(metrics, "/p99") * relative / rmse : relative;
 }
 
+bool is_time_shared(const json& run) {
+  const json::json_pointer shared("/cost/frame_ms/shared");
+  return run.contains(shared) && run.at(shared) == true;
+}
+
 // Why a run cannot be weighed; empty: it can.
 std::string obstacle_of(const json& run, const AdviceRequest& request) {
   if (run.contains("skipped")) return run.at("skipped").get<std::string>();
@@ -131,6 +136,8 @@ std::string obstacle_of(const json& run, const AdviceRequest& request) {
   if (std::isnan(error_of(run, request.metric)))
     return fmt::format("view {} has no {}", run.at("view").get<std::string>(), request.metric);
   if (std::isnan(number_at(run, "/cost/frame_ms/median"))) return "its cost is not known";
+  if (!request.by_fetches && is_time_shared(run))
+    return "its time was taken while other work ran on the machine (a budget in fetches does without times)";
   if (request.by_fetches && std::isnan(number_at(run, "/cost/fetches_per_pixel")))
     return "its fetches are not known";
   return "";

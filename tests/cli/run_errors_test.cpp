@@ -33,7 +33,7 @@ TEST_F(CliErrors, WrongUsage) {
   expect_refused(run(kTiny, {"--frobnicate"}), {"--frobnicate"});
   expect_refused(run(kTiny, {"--jobs", "0"}), {"--jobs"});
   expect_refused(run(kTiny, {"--jobs", "two"}), {"--jobs"});
-  const std::string known = "there are: run, truth, fit, compare, advise, report, list (see --help)\n";
+  const std::string known = "there are: run, truth, fit, compare, advise, merge, report, list (see --help)\n";
   expect_refused(truescatter({}), {"truescatter: a command is needed; " + known});
   expect_refused(truescatter({"frobnicate"}), {"truescatter: there is no command 'frobnicate'; " + known});
   expect_refused(truescatter({"rum", "e.toml"}), {"truescatter: there is no command 'rum'; " + known});

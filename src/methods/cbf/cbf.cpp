@@ -50,6 +50,7 @@ Method cbf_method() {
   method.name = kName;
   method.title = "Cross bilateral filter";
   method.source = "Mikkelsen 2010, equation 8";
+  method.reads_all_within_r_max = true;
   method.limits = {.rounding = 1e-5};
   method.settings = {r_max_setting(),
                      {"bound", "what cuts the filter off", 0.0, 0.0, 0.0, false, {"disc", "ball"}},

@@ -110,6 +110,7 @@ Method cbf_unnormalised_method() {
   method.source = "Mikkelsen 2010, equations 4-7";
   method.limits = {.rounding = 1e-5, .raw_rim = 3.0, .raw_perspective = 1.25};
   // Positions and light of two layers with a depth each, and the result.
+  method.reads_all_within_r_max = true;
   method.memory = {.bytes_per_pixel = 2.0 * 2.0 * 20.0 + 16.0};
   method.settings = {r_max_setting(), {"layers", "surfaces behind each other", 1.0, 1.0, 8.0, true}};
   method.own_target = [](const Profile& profile, const Settings& settings) {

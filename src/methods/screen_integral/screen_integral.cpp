@@ -69,6 +69,7 @@ Method screen_integral_method() {
   method.name = kName;
   method.title = "Integral over the picture";
   method.source = "Mikkelsen 2010, equations 1-3";
+  method.reads_all_within_r_max = true;
   method.limits = {.rounding = 1e-5, .raw_rim = 3.0};
   method.settings = {
       r_max_setting(),

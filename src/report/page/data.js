@@ -96,8 +96,15 @@ const lookUpObject = (object, path) =>
     path.split(".").reduce((o, key) => (o && typeof o === "object" ? o[key] : undefined), object) || {};
 
 const relativeError = (run) => lookUp(run, "metrics.rel_rmse").value;
-const frameMs = (run) => lookUp(run, "cost.frame_ms.median").value;
+// A time that was taken while other work ran on the machine, parts of an experiment beside this one, says nothing of the
+// method: no chart has it.
+const isTimeShared = (run) => lookUpObject(run, "cost.frame_ms").shared === true;
+const frameMs = (run) => isTimeShared(run) ? null : lookUp(run, "cost.frame_ms.median").value;
 const fetches = (run) => lookUp(run, "cost.fetches_per_pixel").value;
+const timesShared = runs.some(isTimeShared);
+// What the cheapest is chosen by.
+const price = timesShared ? fetches : frameMs;
+const priceUnit = timesShared ? "fetches per pixel" : "ms";
 // A run without a pass costs nothing; on a logarithmic axis it is a line, not a point.
 const isFree = (run) => lookUp(run, "cost.passes").value === 0;
 const isDistinguishable = (run) => run.distinguishable !== false;
@@ -134,7 +141,8 @@ function timingNote() {
       isNumber(provenance.rasteriser_threads) ? `, ${plural(provenance.rasteriser_threads, "thread")}` : "";
   const median = repeats.length ? `, median of ${repeats.join("/")} frames` : "";
   return `Times are of a ${isSoftware ? "software rasteriser" : "GPU"}: ${renderer}${threads}${median}.` +
-      (isSoftware ? " A GPU weighs taps, float formats and filtering differently." : "");
+      (isSoftware ? " A GPU weighs taps, float formats and filtering differently." : "") +
+      (timesShared ? " Other work ran on the machine while they were taken: they are in no chart." : "");
 }
 
 // A relative link that any file name survives.

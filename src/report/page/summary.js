@@ -136,8 +136,8 @@ function leastErrorSentence() {
 }
 
 function cheapest(c, threshold) {
-  const within = costed(c).filter((run) => relativeError(run) <= threshold && isNumber(frameMs(run)));
-  return within.sort((a, b) => (isFree(b) - isFree(a)) || frameMs(a) - frameMs(b))[0];
+  const within = costed(c).filter((run) => relativeError(run) <= threshold && isNumber(price(run)));
+  return within.sort((a, b) => (isFree(b) - isFree(a)) || price(a) - price(b))[0];
 }
 
 function cheapestSentence() {
@@ -155,7 +155,7 @@ function cheapestSentence() {
       ([label, found]) =>
           [methodName(label), ofCases(found.length),
            isFree(found[0].run) ? " (no pass at all is needed)" :
-                                  ` (${range(found.map((f) => frameMs(f.run)), number)} ms)`]);
+                                  ` (${range(found.map((f) => price(f.run)), number)} ${priceUnit})`]);
   return [
     h("b", {}, "Cheapest within ", input, " %: "), parts.length ? listed(parts) : "no method", ".",
     parts.length && none.length ? ` Nothing stays within it in ${none.join("; ")}.` : ""
@@ -187,7 +187,7 @@ function openingSettings() {
 }
 
 const largestError = (setting) => settingError(setting.entries[0].run);
-const largestTime = (setting) => Math.max(...setting.entries.map(({run}) => frameMs(run)));
+const largestPrice = (setting) => Math.max(...setting.entries.map(({run}) => price(run)));
 const costsNothing = (setting) => setting.entries.every(({run}) => isFree(run));
 
 // The step of a ladder up to this method's rung that changes most, if it is on one: of the ladders of this case
@@ -243,13 +243,13 @@ function verdict() {
       complete
           .filter(
               (setting) => largestError(setting) <= threshold &&
-                  setting.entries.every(({run}) => isFree(run) || isNumber(frameMs(run))))
-          .sort((a, b) => (costsNothing(b) - costsNothing(a)) || largestTime(a) - largestTime(b))[0];
+                  setting.entries.every(({run}) => isFree(run) || isNumber(price(run))))
+          .sort((a, b) => (costsNothing(b) - costsNothing(a)) || largestPrice(a) - largestPrice(b))[0];
   const nearest = [...(complete.length > 0 ? complete : settings)].sort((a, b) => largestError(a) - largestError(b));
   const chosen = within || nearest[0];
   if (!chosen) return null;
   const {c, run} = chosen.entries[0], everywhere = groups > 1 ? " in every case" : "";
-  const time = costsNothing(chosen) ? "no pass at all" : `at most ${number(largestTime(chosen))} ms`;
+  const time = costsNothing(chosen) ? "no pass at all" : `at most ${number(largestPrice(chosen))} ${priceUnit}`;
   const part = complete.length > 0 ? "" : ` (measured in ${chosen.entries.length} of ${groups} cases)`;
   return h(
       "p", {class: "verdict-text", id: "verdict"},
@@ -296,6 +296,12 @@ function largestInversion() {
 }
 
 function inversionSentence() {
+  if (timesShared) {
+    return [
+      h("b", {}, "Times"), " were taken while other work ran on the machine: they are in no chart, and the cheapest is so by ",
+      "fetches."
+    ];
+  }
   const found = largestInversion();
   if (!found) return [h("b", {}, "Time and fetches"), " rank the methods alike in every case."];
   const {c, a, b} = found;

@@ -421,7 +421,8 @@ function chosenFacts() {
         isFree(run) ? "no pass" :
             isNumber(frameMs(run)) ?
                       `${number(frameMs(run))} ms, ${isSoftware ? "software rasteriser" : "GPU"}` :
-                      lookUp(run, "cost.frame_ms.median").reason
+                      isTimeShared(run) ? "taken while other work ran on the machine" :
+                                          lookUp(run, "cost.frame_ms.median").reason
       ],
       ["Settings", settingsText(run.settings)]
     ])

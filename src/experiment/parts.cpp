@@ -1,0 +1,232 @@
+#include "experiment/parts.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/parse_number.h"
+#include "experiment/input_files.h"
+#include "experiment/piece_cost.h"
+#include "experiment/provenance.h"
+#include "experiment/result_folder.h"
+
+namespace truescatter {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+// Pieces that one part computes.
+struct Group {
+  std::vector<std::string> ids;
+  double cost_s = 0.0;
+};
+
+bool reads_pictures(const Plan& plan, const Piece& piece) {
+  if (piece.kind != Piece::Kind::ladder) return false;
+  const auto found = std::find_if(plan.ladders.begin(), plan.ladders.end(),
+                                  [&](const LadderSpec& ladder) { return ladder.name == piece.name; });
+  return std::any_of(found->rungs.begin(), found->rungs.end(),
+                     [](const LadderSpec::Rung& rung) { return rung.truth.empty(); });
+}
+
+// Each piece by itself, but for those of a view and profile with such a ladder.
+std::vector<Group> groups_of(const std::vector<ScenePlan>& scenes) {
+  std::vector<Group> groups;
+  for (const auto& [spec, plan] : scenes) {
+    const std::vector<Piece> pieces = pieces_of(spec, plan);
+    std::string open_group;
+    for (const Piece& piece : pieces) {
+      const bool bound = std::any_of(pieces.begin(), pieces.end(), [&](const Piece& other) {
+        return other.view == piece.view && other.profile == piece.profile && !piece.profile.empty() &&
+               reads_pictures(plan, other);
+      });
+      const std::string name = bound ? piece.view + "/" + piece.profile : "";
+      if (name.empty() || name != open_group) groups.emplace_back();
+      open_group = name;
+      groups.back().ids.push_back(piece.id());
+      groups.back().cost_s += piece_cost_s(spec, plan, piece);
+    }
+  }
+  return groups;
+}
+
+// A group belongs to the part in whose equal share of the whole cost its middle lies.
+template <typename Use>
+void for_groups(const std::vector<ScenePlan>& scenes, int parts, const Use& use) {
+  const std::vector<Group> groups = groups_of(scenes);
+  double all_s = 0.0;
+  for (const Group& group : groups) all_s += group.cost_s;
+  double before_s = 0.0;
+  for (const Group& group : groups) {
+    const double middle = (before_s + 0.5 * group.cost_s) / all_s;
+    use(group, std::clamp(1 + static_cast<int>(middle * parts), 1, parts));
+    before_s += group.cost_s;
+  }
+}
+
+std::set<std::string> ids_where(const std::vector<ScenePlan>& scenes, const ExperimentPart& part, bool own) {
+  std::set<std::string> ids;
+  for_groups(scenes, part.count, [&](const Group& group, int index) {
+    if ((index == part.index) == own) ids.insert(group.ids.begin(), group.ids.end());
+  });
+  return ids;
+}
+
+// What must be the same for parts to be joined: nodes of one cluster differ in name and number of cores.
+json joined_key(json key) {
+  key.erase("part");
+  key.erase("machine");
+  return key;
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 60.0) return fmt::format("{:.2g} s", std::max(seconds, 0.1));
+  if (seconds < 5400.0) return fmt::format("{:.0f} min", seconds / 60.0);
+  return fmt::format("{:.1f} h", seconds / 3600.0);
+}
+
+std::string names_of(const std::vector<int>& parts) {
+  return fmt::format("part{} {}", parts.size() == 1 ? "" : "s", fmt::join(parts, ", "));
+}
+
+void check_same(const PartResult& first, const PartResult& other) {
+  const SourceLocation where{(other.folder / kPartFile).string()};
+  if (other.part.count != first.part.count) {
+    throw_input_error(where, "is part {}, and {} is part {}: not of one division", other.part.str(),
+                      first.folder.string(), first.part.str());
+  }
+  const std::string difference = provenance_difference(joined_key(first.key), joined_key(other.key));
+  if (!difference.empty()) {
+    throw_input_error(where, "cannot be joined with {}: {}", first.folder.string(), difference);
+  }
+}
+
+void check_complete(const std::vector<PartResult>& parts) {
+  std::vector<int> missing;
+  for (int index = 1; index <= parts.front().part.count; ++index) {
+    std::vector<std::string> folders;
+    for (const PartResult& part : parts) {
+      if (part.part.index == index) folders.push_back(part.folder.string());
+    }
+    if (folders.empty()) missing.push_back(index);
+    if (folders.size() > 1)
+      throw_input_error({}, "part {}/{} is there more than once: {}", index, parts.front().part.count,
+                        fmt::join(folders, ", "));
+  }
+  if (!missing.empty())
+    throw_input_error({}, "{} of {} {} missing", names_of(missing), parts.front().part.count,
+                      missing.size() == 1 ? "is" : "are");
+}
+
+}  // namespace
+
+std::string ExperimentPart::str() const { return fmt::format("{}/{}", index, count); }
+
+ExperimentPart parse_part(const std::string& text) {
+  const SourceLocation where{"--part"};
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos)
+    throw_input_error(where, "\"{}\": a part is INDEX/COUNT, for example 2/8", text);
+  const ExperimentPart part{parse_integer(text.substr(0, slash), where, "a part's index"),
+                            parse_integer(text.substr(slash + 1), where, "a number of parts")};
+  if (part.count < 1 || part.index < 1 || part.index > part.count)
+    throw_input_error(where, "\"{}\": a part's index is from 1 to the number of parts", text);
+  return part;
+}
+
+std::set<std::string> pieces_of_part(const std::vector<ScenePlan>& scenes, const ExperimentPart& part) {
+  return ids_where(scenes, part, true);
+}
+
+std::set<std::string> pieces_elsewhere(const std::vector<ScenePlan>& scenes, const ExperimentPart& part) {
+  return ids_where(scenes, part, false);
+}
+
+std::string describe_pieces(const std::vector<ScenePlan>& scenes, const std::optional<ExperimentPart>& part,
+                            const fs::path& destination) {
+  const std::set<std::string> own = part ? pieces_of_part(scenes, *part) : std::set<std::string>();
+  const fs::path kept = pieces_left_for(destination);
+  std::string text;
+  double own_s = 0.0;
+  double all_s = 0.0;
+  for (const auto& [spec, plan] : scenes) {
+    for (const Piece& piece : pieces_of(spec, plan)) {
+      const double cost_s = piece_cost_s(spec, plan, piece);
+      all_s += cost_s;
+      if (part && own.count(piece.id()) == 0) continue;
+      own_s += cost_s;
+      const bool finished = !kept.empty() && fs::exists(kept / (piece.id() + ".json"));
+      text += fmt::format(
+          "piece {}: about {}; {}\n", piece.id(), duration_text(cost_s),
+          finished ? "finished by a run that was cut off, --resume takes it over" : "nothing of it is kept");
+    }
+  }
+  text += fmt::format("pieces: about {}{}, and what their scenes and truths share\n", duration_text(own_s),
+                      part ? fmt::format(" of {} in all {} parts", duration_text(all_s), part->count) : "");
+  return text;
+}
+
+void write_part(const fs::path& folder, const ExperimentPart& part, const std::set<std::string>& pieces,
+                const json& key, const PartWork& work) {
+  const json written = {
+      {"schema", kPartSchema},
+      {"part", {{"index", part.index}, {"of", part.count}}},
+      {"pieces", pieces},
+      {"provenance", key},
+      {"truths", {{"computed", work.truths_computed}, {"found", work.truths_found}}},
+      {"memory", {{"peak_bytes", work.memory.peak_bytes}, {"limit_bytes", work.memory.limit_bytes}}}};
+  write_text_file(folder / kPartFile, written.dump(1) + "\n");
+}
+
+PartResult read_part(const fs::path& folder) {
+  const fs::path file = folder / kPartFile;
+  if (!fs::is_directory(folder)) throw_input_error({folder.string()}, "no such folder");
+  if (!fs::exists(file))
+    throw_input_error({folder.string()}, "has no {}: it is no result of `run --part`", kPartFile);
+  const json read = json::parse(read_text_file(file), nullptr, false);
+  try {
+    if (read.at("schema") == kPartSchema) {
+      return {folder,
+              {read.at("part").at("index").get<int>(), read.at("part").at("of").get<int>()},
+              read.at("pieces").get<std::vector<std::string>>(),
+              read.at("provenance"),
+              {{read.at("memory").at("peak_bytes").get<std::uint64_t>(),
+                read.at("memory").at("limit_bytes").get<std::uint64_t>()},
+               read.at("truths").at("computed").get<std::size_t>(),
+               read.at("truths").at("found").get<std::size_t>()}};
+    }
+  } catch (const json::exception& problem) {
+    throw_input_error({file.string()}, "is not what `run --part` writes: {}", problem.what());
+  }
+  throw_input_error({file.string()}, "is not what this version of `run --part` writes, \"{}\"", kPartSchema);
+}
+
+std::vector<PartResult> read_parts(const std::vector<fs::path>& folders) {
+  std::vector<PartResult> parts;
+  for (const fs::path& folder : folders) parts.push_back(read_part(folder));
+  for (const PartResult& part : parts) check_same(parts.front(), part);
+  check_complete(parts);
+  std::sort(parts.begin(), parts.end(),
+            [](const PartResult& a, const PartResult& b) { return a.part.index < b.part.index; });
+  return parts;
+}
+
+bool is_finished_part(const fs::path& folder, const ExperimentPart& part, const ExperimentSpec& spec,
+                      const json& exports) {
+  if (!fs::exists(folder / kPartFile)) return false;
+  const PartResult there = read_part(folder);
+  json now = program_provenance();
+  now["experiment"] = experiment_hash(spec);
+  now["inputs"] = input_hashes(spec);
+  now["exports"] = exports;
+  json before = json::object();
+  for (const auto& [key, value] : now.items()) before[key] = there.key.value(key, json());
+  return there.part == part && before == now;
+}
+
+}  // namespace truescatter

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "experiment/write_results.h"
+
+namespace truescatter {
+
+// One share of an experiment's pieces, `index` of `count` from 1: what `run --part index/count` computes.
+struct ExperimentPart {
+  int index = 1;
+  int count = 1;
+
+  std::string str() const;  // "2/8"
+  bool operator==(const ExperimentPart&) const = default;
+};
+
+// "2/8". Throws Error (input) at --part for anything else, or an index that is not from 1 to the count.
+ExperimentPart parse_part(const std::string& text);
+
+// The ids of a part's pieces. In the order of the results the pieces are cut into runs of about equal cost
+// (piece_cost_s), so that a part needs few of the scenes and views; the same on every machine. A ladder out
+// of methods' pictures stays with their runs. Of more parts than there are pieces some have none.
+std::set<std::string> pieces_of_part(const std::vector<ScenePlan>& scenes, const ExperimentPart& part);
+// Of all other parts.
+std::set<std::string> pieces_elsewhere(const std::vector<ScenePlan>& scenes, const ExperimentPart& part);
+
+// For --dry-run: each piece, about what it costs, and why it would run: nothing of it is kept, or a run into
+// `destination` that was cut off has finished it, which --resume takes over. Of a part: its pieces alone, and
+// what the others have.
+std::string describe_pieces(const std::vector<ScenePlan>& scenes, const std::optional<ExperimentPart>& part,
+                            const std::filesystem::path& destination);
+
+// A part's result is a folder with its pieces and maps, and part.json, which says of which part and under
+// which provenance they were computed.
+struct PartWork {
+  MemoryTaken memory;
+  std::size_t truths_computed;  // Gaussians, of the view's pixels each; that were stored in the cache
+  std::size_t truths_found;     // in the cache
+};
+inline constexpr const char* kPartFile = "part.json";
+inline constexpr const char* kPartSchema = "truescatter-part-1";
+void write_part(const std::filesystem::path& folder, const ExperimentPart& part,
+                const std::set<std::string>& pieces, const nlohmann::json& key, const PartWork& work);
+
+// What part.json says. Throws Error (input) that names the file if it is not there or says anything else.
+struct PartResult {
+  std::filesystem::path folder;
+  ExperimentPart part;
+  std::vector<std::string> pieces;
+  nlohmann::json key;  // provenance
+  PartWork work;
+};
+PartResult read_part(const std::filesystem::path& folder);
+
+// The parts of one experiment, in their order. Throws Error (input) that names folders and parts where one is
+// missing or there twice, or where they were computed by another program, of another experiment or of other
+// inputs; and a piece's file that is not there. Machines may differ, renderers may not.
+std::vector<PartResult> read_parts(const std::vector<std::filesystem::path>& folders);
+
+// Whether `folder` holds this part, finished by this program of this experiment, these inputs and these
+// exports: nothing is left to do for it.
+bool is_finished_part(const std::filesystem::path& folder, const ExperimentPart& part,
+                      const ExperimentSpec& spec, const nlohmann::json& exports);
+
+}  // namespace truescatter

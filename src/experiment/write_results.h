@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "experiment/join_pieces.h"
+
+namespace truescatter {
+
+// What a run ended with.
+struct RunOutcome {
+  std::vector<std::string> exceeded;  // one line per stated threshold that was exceeded
+};
+
+// What the computing took of memory.
+struct MemoryTaken {
+  std::uint64_t peak_bytes;
+  std::uint64_t limit_bytes;
+};
+
+// Writes results.json, results.csv, experiment.resolved.toml and the pictures in maps/ into `folder`, out of
+// its finished pieces, every one of which is there. `key`: the provenance that they were computed under.
+// Throws Error (run) that names a file that cannot be read or written.
+RunOutcome write_results(const ExperimentSpec& spec, const std::vector<ScenePlan>& scenes,
+                         const PieceStore& pieces, const nlohmann::json& key, const MemoryTaken& memory,
+                         const std::filesystem::path& folder);
+
+}  // namespace truescatter

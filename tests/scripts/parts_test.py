@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+"""`run --part` and `merge`: an experiment in parts is the experiment.
+
+    parts_test.py PROGRAM
+
+Parts, some of them killed and resumed, are merged and compared with a run that nothing divided: byte for byte, timings
+apart (scripts/same-results).
+"""
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = pathlib.Path(sys.argv[1]).resolve()
+
+EXPERIMENT = (ROOT / "tests/scripts/parts.toml").read_text()
+# A ladder out of a method's picture: what it needs stays together.
+WITH_PICTURES = EXPERIMENT.replace('truth = "cut"', 'method = "none"')
+
+
+class Parts(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.environment = os.environ | {"TRUESCATTER_CACHE": str(self.folder / "cache")}
+        self.write(EXPERIMENT)
+
+    def write(self, text):
+        (self.folder / "e.toml").write_text(text)
+
+    def truescatter(self, *arguments):
+        return subprocess.run([PROGRAM, *arguments], cwd=self.folder, env=self.environment, capture_output=True, text=True)
+
+    def start(self, part, *arguments):
+        return subprocess.Popen([PROGRAM, "run", "e.toml", "--part", part, "--out", f"parts/{part.replace('/', '-')}",
+                                 *arguments], cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, text=True)
+
+    def run_part(self, part, *arguments):
+        with self.start(part, *arguments) as process:
+            said = process.communicate()[1]
+        self.assertEqual(process.returncode, 0, said)
+        return said
+
+    def parts(self, count):
+        return [f"parts/{index}-{count}" for index in range(1, count + 1)]
+
+    def merge(self, *parts):
+        return self.truescatter("merge", *parts, "--out", "merged")
+
+    def expect_the_same(self, count):
+        merged = self.merge(*reversed(self.parts(count)))
+        self.assertEqual(merged.returncode, 0, merged.stderr)
+        self.assertEqual(merged.stdout, "merged/report.html\n")
+        compared = subprocess.run([ROOT / "scripts/same-results", self.folder / "whole", self.folder / "merged"],
+                                  capture_output=True, text=True)
+        self.assertEqual(compared.stdout, "")
+        self.assertEqual(compared.returncode, 0, compared.stderr)
+
+    def run_whole(self, *arguments):
+        whole = self.truescatter("run", "e.toml", "--out", "whole", "--no-cache", *arguments)
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+
+    def pieces_of(self, part):
+        return json.loads((self.folder / "parts" / part.replace("/", "-") / "part.json").read_text())["pieces"]
+
+    def test_one_three_or_eight_are_the_whole(self):
+        self.write(WITH_PICTURES)
+        self.run_whole("--buffers")
+        for count in (1, 3, 8):
+            with self.subTest(count=count):
+                for index in range(1, count + 1):
+                    self.run_part(f"{index}/{count}", "--buffers")
+                self.expect_the_same(count)
+                shared = [run["cost"]["frame_ms"].get("shared", False)
+                          for run in json.loads((self.folder / "merged/results.json").read_text())["runs"]]
+                self.assertEqual(shared, [count > 1] * len(shared))
+
+    def test_a_part_has_its_share_of_the_pieces_once(self):
+        self.write(WITH_PICTURES)
+        listed = {}
+        for index in range(1, 6):
+            said = self.truescatter("run", "e.toml", "--part", f"{index}/5", "--dry-run")
+            self.assertEqual(said.returncode, 0, said.stderr)
+            for line in said.stdout.splitlines():
+                if line.startswith("piece "):
+                    piece = line.split()[1].rstrip(":")
+                    self.assertNotIn(piece, listed)
+                    self.assertIn("nothing of it is kept", line)
+                    listed[piece] = index
+        whole = self.truescatter("run", "e.toml", "--dry-run").stdout
+        pieces = [line.split()[1].rstrip(":") for line in whole.splitlines() if line.startswith("piece ")]
+        self.assertEqual(list(listed), pieces)
+        # Of one view and profile the ladder is where the runs are that it reads.
+        for view in ("front-01", "front-02", "side-01", "side-02"):
+            for profile in ("narrow", "wide"):
+                together = {part for piece, part in listed.items() if f".{view}.{profile}" in piece}
+                self.assertEqual(len(together), 1, (view, profile))
+        self.run_part("2/5")
+        self.assertEqual(self.pieces_of("2/5"), sorted(piece for piece, part in listed.items() if part == 2))
+
+    def test_killed_parts_go_on(self):
+        self.run_whole()
+        for index in range(1, 4):
+            part = f"{index}/3"
+            with self.start(part) as process:
+                while process.poll() is None and len(list(self.folder.glob(f"parts/.{index}-3.*.part/pieces/*.json"))) < 2:
+                    time.sleep(0.001)
+                process.send_signal(signal.SIGKILL)
+            self.assertEqual(process.returncode, -signal.SIGKILL)
+            self.assertIn("pieces are finished", self.run_part(part, "--resume"))
+        self.expect_the_same(3)
+        # What is finished is not done again.
+        self.assertIn("part 2/3 is finished already", self.run_part("2/3", "--resume"))
+
+    def test_eight_at_once_compute_each_truth_once(self):
+        self.run_whole()
+        processes = [self.start(f"{index}/8") for index in range(1, 9)]
+        for process in processes:
+            said = process.communicate()[1]
+            self.assertEqual(process.returncode, 0, said)
+        computed = sum(json.loads((self.folder / part / "part.json").read_text())["truths"]["computed"]
+                       for part in self.parts(8))
+        self.assertEqual(computed, len(list((self.folder / "cache").glob("*.truth"))))
+        self.assertEqual(list((self.folder / "cache").glob(".*.lock")), [])
+        self.expect_the_same(8)
+
+    def test_a_claim_of_a_process_that_died_holds_nobody_up(self):
+        with self.start("1/1") as process:
+            while process.poll() is None and not list((self.folder / "cache").glob(".*.lock")):
+                time.sleep(0.0005)
+            process.send_signal(signal.SIGKILL)
+        self.assertNotEqual(process.returncode, 0)
+        self.assertEqual(len(list((self.folder / "cache").glob(".*.lock"))), 1)
+        self.assertNotIn("waiting", self.run_part("1/1"))
+
+    def test_what_cannot_be_joined_is_named(self):
+        for index in (1, 2, 3):
+            self.run_part(f"{index}/3")
+
+        def refused(*parts):
+            result = self.merge(*parts)
+            self.assertEqual(result.returncode, 2)
+            self.assertFalse((self.folder / "merged").exists())
+            return result.stderr
+
+        self.assertIn("parts 1, 3 of 3 are missing", refused("parts/2-3"))
+        self.assertIn("part 3 of 3 is missing", refused("parts/1-3", "parts/2-3"))
+        self.assertIn("part 2/3 is there more than once: parts/2-3, parts/2-3", refused("parts/2-3", "parts/2-3", "parts/1-3"))
+        self.assertIn("parts/4-3: no such folder", refused("parts/1-3", "parts/4-3"))
+        self.run_part("2/2")
+        self.assertIn("not of one division", refused("parts/1-3", "parts/2-2"))
+        self.assertIn("has no part.json: it is no result of `run --part`", refused("parts/1-3", "parts"))
+        # Another experiment, another version, and a piece that is gone.
+        shutil.move(self.folder / "parts/2-3", self.folder / "parts/kept")
+        self.write(EXPERIMENT.replace("repeats = 1", "repeats = 2"))
+        self.run_part("2/3")
+        self.assertIn("parts/2-3/part.json: cannot be joined with parts/1-3: experiment was", refused(*self.parts(3)))
+        shutil.rmtree(self.folder / "parts/2-3")
+        shutil.move(self.folder / "parts/kept", self.folder / "parts/2-3")
+        file = self.folder / "parts/2-3/part.json"
+        part = json.loads(file.read_text())
+        file.write_text(json.dumps(part | {"provenance": part["provenance"] | {"commit": "other"}}))
+        self.assertIn("cannot be joined with parts/1-3: commit was", refused(*self.parts(3)))
+        file.write_text(json.dumps(part))
+        lost = self.folder / "parts/2-3/pieces" / (part["pieces"][0] + ".json")
+        lost.rename(self.folder / "lost.json")
+        self.assertIn(f"{part['pieces'][0]}.json: this piece of part 2/3 is missing", refused(*self.parts(3)))
+        file.write_text("{}")
+        self.assertIn("part.json: is not what `run --part` writes", refused(*self.parts(3)))
+
+    def test_no_part_is_refused(self):
+        for part in ("0/3", "4/3", "3", "a/b", "1/0", "-1/2"):
+            result = self.truescatter("run", "e.toml", f"--part={part}")
+            self.assertEqual(result.returncode, 2, part)
+            self.assertIn("--part: ", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], "-v"])
