@@ -323,8 +323,11 @@ TEST_F(CliBuffers, AnAlbedoComesInWhereverItIsApplied) {
     const std::string textured =
         with(kTiny, "[scene.parameters]",
              "albedo = \"half.exr\"\ntexturing = \"" + where + "\"\n[scene.parameters]");
-    ASSERT_EQ(run(textured + "[composite]\nspecular = false\ntone = \"linear\"\n", {"--buffers"}).exit_code,
-              0);
+    const std::string coarse =
+        textured + "[shading]\nfloor_mm = 2.0\n" + (after < 1.0 ? "albedo_edge_mm = 2.0\n" : "");
+    const ProgramResult result =
+        run(coarse + "[composite]\nspecular = false\ntone = \"linear\"\n", {"--buffers"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
     const double exposure = 1.0 / json("out/results.json")["scene"]["largest_irradiance"].get<double>();
     const Image exitance = layer("front.spike-and-base.truth.exr", "");
     const Image shown = layer("front.spike-and-base.truth.exr", "composite");

@@ -114,7 +114,7 @@ class Resume(unittest.TestCase):
                               text=True) as process:
             own = self.folder / f".out.{process.pid}.part/pieces"
             while process.poll() is None and not ((own / "key.json").exists() and len(self.pieces_in(own)) >= after):
-                time.sleep(0.001)
+                time.sleep(0.003)
             process.send_signal(how)
             said = process.stderr.read()
         return process.returncode, said
@@ -151,7 +151,7 @@ class Resume(unittest.TestCase):
             with subprocess.Popen(self.command(*arguments), cwd=self.folder, stdout=subprocess.DEVNULL,
                                   stderr=subprocess.DEVNULL) as process:
                 while process.poll() is None and len(self.pieces()) < after:
-                    time.sleep(0.001)
+                    time.sleep(0.003)
                 process.kill()
         self.assertEqual(len(self.left()), 1)
         self.assertEqual(self.run_program("--resume").returncode, 0)
@@ -200,7 +200,7 @@ class Resume(unittest.TestCase):
         with subprocess.Popen([a for a in self.command() if a != "--buffers"], cwd=self.folder,
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
             while process.poll() is None and len(self.pieces()) < 3:
-                time.sleep(0.001)
+                time.sleep(0.003)
             process.kill()
         refused = self.run_program("--resume")
         self.assertEqual(refused.returncode, 2)
