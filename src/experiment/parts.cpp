@@ -26,26 +26,22 @@ struct Group {
   double cost_s = 0.0;
 };
 
-bool reads_pictures(const Plan& plan, const Piece& piece) {
-  if (piece.kind != Piece::Kind::ladder) return false;
-  const auto found = std::find_if(plan.ladders.begin(), plan.ladders.end(),
-                                  [&](const LadderSpec& ladder) { return ladder.name == piece.name; });
-  return std::any_of(found->rungs.begin(), found->rungs.end(),
-                     [](const LadderSpec::Rung& rung) { return rung.truth.empty(); });
+// Whether ladders, of which every view and profile has one, read the pictures of methods' runs.
+bool ladders_read_pictures(const Plan& plan) {
+  return std::any_of(plan.ladders.begin(), plan.ladders.end(), [](const LadderSpec& ladder) {
+    return std::any_of(ladder.rungs.begin(), ladder.rungs.end(),
+                       [](const LadderSpec::Rung& rung) { return rung.truth.empty(); });
+  });
 }
 
-// Each piece by itself, but for those of a view and profile with such a ladder.
+// Each piece by itself, but for those of a view and profile where a ladder reads runs' pictures.
 std::vector<Group> groups_of(const std::vector<ScenePlan>& scenes) {
   std::vector<Group> groups;
   for (const auto& [spec, plan] : scenes) {
-    const std::vector<Piece> pieces = pieces_of(spec, plan);
+    const bool together = ladders_read_pictures(plan);
     std::string open_group;
-    for (const Piece& piece : pieces) {
-      const bool bound = std::any_of(pieces.begin(), pieces.end(), [&](const Piece& other) {
-        return other.view == piece.view && other.profile == piece.profile && !piece.profile.empty() &&
-               reads_pictures(plan, other);
-      });
-      const std::string name = bound ? piece.view + "/" + piece.profile : "";
+    for (const Piece& piece : pieces_of(spec, plan)) {
+      const std::string name = together && !piece.profile.empty() ? piece.view + "/" + piece.profile : "";
       if (name.empty() || name != open_group) groups.emplace_back();
       open_group = name;
       groups.back().ids.push_back(piece.id());

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <regex>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -501,6 +502,7 @@ maximum = 0.5
   const std::size_t memory = listed.find("memory view front: about ");
   ASSERT_NE(memory, std::string::npos) << result.out;
   listed.erase(memory, listed.find('\n', memory) + 1 - memory);
+  listed = std::regex_replace(listed, std::regex("about [0-9.]+ (s|min|h)"), "about so long");
   EXPECT_EQ(listed, R"(tiny: 1 view x 1 profile x 4 methods = 4 runs
 scene builtin:plane (charts = 1, edge_mm = 5, length_mm = 0, size_mm = 20, uv_stretch = 1)
 method none: No scattering
@@ -516,6 +518,13 @@ view front: 48 x 48 px
   run front/spike-and-base/coarse: 0 + 1 frames
   run front/spike-and-base/texture-space: 0 + 1 frames
 threshold coarse: rmse <= 0.5
+piece view.front: about so long; nothing of it is kept
+piece truth.front.spike-and-base.truth: about so long; nothing of it is kept
+piece run.front.spike-and-base.none: about so long; nothing of it is kept
+piece run.front.spike-and-base.pscbf: about so long; nothing of it is kept
+piece run.front.spike-and-base.coarse: about so long; nothing of it is kept
+piece run.front.spike-and-base.texture-space: about so long; nothing of it is kept
+pieces: about so long, and what their scenes and truths share
 output out: a new folder
 )");
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"e.toml"});
