@@ -11,14 +11,15 @@
 namespace truescatter {
 namespace {
 
-// Measured with quickstart.toml and the stability suite; see README, Speed, for the engines.
-constexpr double kPointsPerSecond = 0.6e6;  // of a Gaussian, Euclidean
+// Measured with the pieces of quickstart.toml, audits included; geodesics, light paths and derived views by
+// README, Speed, and the time of small runs.
+constexpr double kPointsPerSecond = 0.35e6;  // of a Gaussian, Euclidean
 constexpr double kGeodesicPointsPerSecond = 0.02e6;
-constexpr double kSecondsPerRead = 4e-9;    // a texel that a shader reads
+constexpr double kSecondsPerRead = 12e-9;   // a texel that a shader reads
 constexpr double kSecondsPerTexel = 30e-9;  // a pass over a map in texture space, per texel and Gaussian
-constexpr double kMeasuring = 8e-6;         // both FLIPs, quantiles, EXR: seconds a pixel
-constexpr double kSeeing = 4e-6;            // a composite and its FLIP
-constexpr double kFrame = 2e-6;             // a frame drawn and read back
+constexpr double kMeasuring = 1.2e-6;       // both FLIPs, quantiles, EXR: seconds a pixel
+constexpr double kSeeing = 0.8e-6;          // a composite and its FLIP
+constexpr double kFrame = 1e-6;             // a frame drawn and read back
 constexpr double kLightPath = 0.012;        // a point of truth.light_paths
 constexpr double kDerivedViews = 1.3;       // a derived view's frames and truths, of a view's
 constexpr double kWidth = 4.0;              // of a method's filter under a profile, on planes
@@ -38,7 +39,9 @@ double gaussians(const Profile& profile) { return static_cast<double>(gaussian_l
 double drawing_s(const PlannedMethod& method, const Profile& profile, const ViewSpec& view) {
   if (method.pictures != nullptr) return 0.0;
   const Settings& settings = method.settings;
-  if (method.method->memory.bytes_per_texel > 0.0) {
+  const MethodMemory& memory = method.method->memory;
+  if (memory.bytes_per_pixel == 0.0 && memory.bytes_per_texel == 0.0) return 0.0;  // no pass at all
+  if (memory.bytes_per_texel > 0.0) {
     const double size = settings.number("texture_size");
     return size * size * gaussians(profile) * kSecondsPerTexel + pixels(view) * kFrame;
   }
