@@ -134,6 +134,12 @@ RunOutcome run_in(ResultFolder& results, const ExperimentSpec& spec, const RunAr
   }
 }
 
+// The exit code.
+int say_exceeded(const RunOutcome& outcome) {
+  for (const std::string& line : outcome.exceeded) fmt::print(stderr, "exceeded: {}\n", line);
+  return outcome.exceeded.empty() ? 0 : 1;
+}
+
 std::filesystem::path default_folder(const ExperimentSpec& spec, const std::optional<ExperimentPart>& part) {
   const std::string share = part ? fmt::format(".part-{}-of-{}", part->index, part->count) : "";
   return std::filesystem::path("runs") / (spec.name + share);
@@ -142,7 +148,6 @@ std::filesystem::path default_folder(const ExperimentSpec& spec, const std::opti
 int dry_run(const ExperimentSpec& spec, const RunOptions& options, const std::filesystem::path& folder) {
   const std::vector<ExperimentSpec> points = sweep_points(spec);
   std::vector<Plan> plans;
-  std::vector<ScenePlan> scenes;
   std::string text;
   for (const ExperimentSpec& point : points) {
     plans.push_back(make_plan(point, options.export_inputs));
@@ -153,7 +158,7 @@ int dry_run(const ExperimentSpec& spec, const RunOptions& options, const std::fi
     refuse_beyond_memory(point, plan, size_of(scene), options.memory_limit_bytes);
     text += describe_plan(point, plan, scene) + describe_memory(point, plan, size_of(scene));
   }
-  for (std::size_t i = 0; i < points.size(); ++i) scenes.push_back({points[i], plans[i]});
+  const std::vector<ScenePlan> scenes = scene_plans(points, plans);
   check_destination(folder);
   fmt::print("{}{}output {}: {}\n", text, describe_pieces(scenes, options.part, folder), folder.string(),
              std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
@@ -178,8 +183,7 @@ int run(const RunArguments& arguments) {
   const InterruptNote note(kHowToGoOn);
   const RunOutcome outcome = run_in(results, spec, arguments, options);
   fmt::print("{}\n", (options.part ? folder : folder / "report.html").string());
-  for (const std::string& line : outcome.exceeded) fmt::print(stderr, "exceeded: {}\n", line);
-  return outcome.exceeded.empty() ? 0 : 1;
+  return say_exceeded(outcome);
 }
 
 int merge(const MergeArguments& arguments) {
@@ -189,8 +193,7 @@ int merge(const MergeArguments& arguments) {
   write_report(results.working());
   results.publish();
   fmt::print("{}\n", (arguments.out / "report.html").string());
-  for (const std::string& line : outcome.exceeded) fmt::print(stderr, "exceeded: {}\n", line);
-  return outcome.exceeded.empty() ? 0 : 1;
+  return say_exceeded(outcome);
 }
 
 int compare(const CompareArguments& arguments) {

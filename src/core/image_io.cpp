@@ -18,8 +18,7 @@ std::filesystem::path image_codec_file() {
   std::filesystem::path file =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / kImageCodecFile;
   if (!std::filesystem::exists(file))
-    throw_run_error("{}: this part of the program, which reads pictures, is missing",
-                    file.string());
+    throw_run_error("{}: this part of the program, which reads pictures, is missing", file.string());
   return file;
 }
 
@@ -103,8 +102,12 @@ constexpr double kMostValuesPerByte = 65536.0;
 // OpenImageIO (2.4) takes memory for 256 rows at once, however many there are: 1 GiB.
 constexpr double kMostValuesInRow = 1024.0 * 1024.0;
 
+double value_count(const PictureHeader& header) {
+  return static_cast<double>(header.width) * header.height * static_cast<double>(header.channels.size());
+}
+
 void check_size(const std::filesystem::path& path, const PictureHeader& header) {
-  const double values = static_cast<double>(header.width) * header.height * double(header.channels.size());
+  const double values = value_count(header);
   if (values > kMostValues) {
     throw_input_error({path.string()}, "the image is {} x {} with {} channels; at most 2^30 values are read",
                       header.width, header.height, header.channels.size());
@@ -162,7 +165,7 @@ double image_values(const std::filesystem::path& path) {
   if (!wrong_exr_attribute(path).empty()) return 0.0;
   double values = 0.0;
   const auto count = [&](const PictureHeader& header) {
-    values = static_cast<double>(header.width) * header.height * double(header.channels.size());
+    values = value_count(header);
     return static_cast<float*>(nullptr);
   };
   // What is wrong is said by who reads it.

@@ -62,9 +62,9 @@ Imf::Header header_of(const EncodeRequest& request) {
 // OpenImageIO orders the channels of a layer by their names, in ways of its own for some of them (Alpha,
 // Depth, Y without X, ...). Where one of these stands: the same here.
 constexpr std::array<const char*, 7> kOrder = {"R", "G", "B", "X", "Y", "Z", "A"};
-constexpr std::array<const char*, 20> kOfItsOwn = {"r",  "red", "g",     "green", "b",     "blue", "x",
+constexpr std::array<const char*, 21> kOfItsOwn = {"r",  "red", "g",     "green", "b",     "blue", "x",
                                                    "y",  "z",   "a",     "ar",    "ra",    "ag",   "ga",
-                                                   "ab", "ba",  "alpha", "depth", "zback", "real"};
+                                                   "ab", "ba",  "alpha", "depth", "zback", "real", "imag"};
 
 struct ChannelName {
   std::string layer;  // with its dot
@@ -84,8 +84,7 @@ struct ChannelName {
     std::string lower = suffix;
     std::transform(lower.begin(), lower.end(), lower.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return rank() == kOrder.size() &&
-           (lower == "imag" || std::find(kOfItsOwn.begin(), kOfItsOwn.end(), lower) != kOfItsOwn.end());
+    return rank() == kOrder.size() && std::find(kOfItsOwn.begin(), kOfItsOwn.end(), lower) != kOfItsOwn.end();
   }
   bool operator<(const ChannelName& other) const {
     return std::tuple(layer, rank(), suffix) < std::tuple(other.layer, other.rank(), other.suffix);

@@ -102,6 +102,14 @@ void add_quantile(const json& measured, const char* what, std::vector<double>& q
 
 }  // namespace
 
+std::vector<ScenePlan> scene_plans(const std::vector<ExperimentSpec>& points,
+                                   const std::vector<Plan>& plans) {
+  assert(points.size() == plans.size());
+  std::vector<ScenePlan> scenes;
+  for (std::size_t i = 0; i < points.size(); ++i) scenes.push_back({points[i], plans[i]});
+  return scenes;
+}
+
 json join_pieces(const ExperimentSpec& experiment, const std::vector<ScenePlan>& scenes,
                  const PieceStore& pieces) {
   json results = {{"experiment",

@@ -16,6 +16,9 @@ struct ScenePlan {
   const Plan& plan;
 };
 
+// Of an experiment's points (sweep_points) with the plan of each; both outlive what is returned.
+std::vector<ScenePlan> scene_plans(const std::vector<ExperimentSpec>& points, const std::vector<Plan>& plans);
+
 // results.json, but for what it says of the program and the machine, out of finished pieces, every one of
 // which is there. `experiment`: as its file states it; `scenes`: what it is made of. Throws Error (run): see
 // PieceStore.

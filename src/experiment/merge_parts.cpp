@@ -13,12 +13,10 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr const char* kExperiment = "experiment.resolved.toml";
-
 ExperimentSpec experiment_of(const PartResult& part) {
-  ExperimentSpec spec = read_experiment(part.folder / kExperiment);
+  ExperimentSpec spec = read_experiment(part.folder / kResolvedFile);
   if (experiment_hash(spec) != part.key.value("experiment", std::string())) {
-    throw_input_error({(part.folder / kExperiment).string()},
+    throw_input_error({(part.folder / kResolvedFile).string()},
                       "is not the experiment that this part was computed of");
   }
   return spec;
@@ -62,8 +60,7 @@ RunOutcome merge_parts(const std::vector<PartResult>& parts, const fs::path& fol
   std::vector<Plan> plans;
   // Pictures made elsewhere were read when the parts were computed.
   for (const ExperimentSpec& point : points) plans.push_back(make_plan(point, true));
-  std::vector<ScenePlan> scenes;
-  for (std::size_t i = 0; i < points.size(); ++i) scenes.push_back({points[i], plans[i]});
+  const std::vector<ScenePlan> scenes = scene_plans(points, plans);
   check_pieces(parts, scenes);
 
   const PieceStore pieces(folder);

@@ -51,25 +51,20 @@ std::vector<Group> groups_of(const std::vector<ScenePlan>& scenes) {
   return groups;
 }
 
-// A group belongs to the part in whose equal share of the whole cost its middle lies.
-template <typename Use>
-void for_groups(const std::vector<ScenePlan>& scenes, int parts, const Use& use) {
+// A group belongs to the part in whose equal share of the whole cost its middle lies. `own`: of this part, or
+// of all others.
+std::set<std::string> ids_where(const std::vector<ScenePlan>& scenes, const ExperimentPart& part, bool own) {
   const std::vector<Group> groups = groups_of(scenes);
   double all_s = 0.0;
   for (const Group& group : groups) all_s += group.cost_s;
+  std::set<std::string> ids;
   double before_s = 0.0;
   for (const Group& group : groups) {
     const double middle = (before_s + 0.5 * group.cost_s) / all_s;
-    use(group, std::clamp(1 + static_cast<int>(middle * parts), 1, parts));
+    const int index = std::clamp(1 + static_cast<int>(middle * part.count), 1, part.count);
+    if ((index == part.index) == own) ids.insert(group.ids.begin(), group.ids.end());
     before_s += group.cost_s;
   }
-}
-
-std::set<std::string> ids_where(const std::vector<ScenePlan>& scenes, const ExperimentPart& part, bool own) {
-  std::set<std::string> ids;
-  for_groups(scenes, part.count, [&](const Group& group, int index) {
-    if ((index == part.index) == own) ids.insert(group.ids.begin(), group.ids.end());
-  });
   return ids;
 }
 

@@ -32,7 +32,7 @@ const std::map<std::string, std::vector<std::string>, std::less<>> kFolders = {{
                                                                                {"passes", {".png", ".exr"}},
                                                                                {"pieces", {".json", ".exr"}}};
 constexpr std::array<std::string_view, 5> kFiles = {"report.html", "results.json", "results.csv",
-                                                    "experiment.resolved.toml", kPartFile};
+                                                    kResolvedFile, kPartFile};
 
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::error_code failure;

@@ -158,8 +158,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
                           const SourceWrapper& wrap, const RunOptions& options) {
   const std::vector<ExperimentSpec> points = sweep_points(spec);
   const std::vector<Plan> plans = make_plans(points, options);
-  std::vector<ScenePlan> scenes;
-  for (std::size_t i = 0; i < points.size(); ++i) scenes.push_back({points[i], plans[i]});
+  const std::vector<ScenePlan> scenes = scene_plans(points, plans);
   const gpu::Context context(options.gl);
   for (const Plan& plan : plans) check_shaders(plan, context);
   const std::filesystem::path inputs = options.export_inputs ? folder / "inputs" : "";
@@ -180,7 +179,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
 
   const MemoryTaken memory{peak_memory(), options.memory_limit_bytes};
   if (!options.part) return write_results(spec, scenes, pieces, key, memory, folder);
-  write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
+  write_text_file(folder / kResolvedFile, to_toml(spec));
   const PartWork work{memory, cache != nullptr ? cache->stored_count() : 0,
                       cache != nullptr ? cache->found_count() : 0};
   write_part(folder, *options.part, pieces_of_part(scenes, *options.part), key, work);

@@ -32,7 +32,7 @@ RunOutcome write_results(const ExperimentSpec& spec, const std::vector<ScenePlan
     for (const ViewPictures& view : pictures_of(scene, pieces))
       write_map_pictures(view, pieces.maps(), ranges, origin);
   }
-  write_text_file(folder / "experiment.resolved.toml", to_toml(spec));
+  write_text_file(folder / kResolvedFile, to_toml(spec));
   write_text_file(folder / "results.csv", results_csv(results));
   write_text_file(folder / "results.json", results.dump(1) + "\n");
   return {exceeded};

@@ -10,6 +10,9 @@
 
 namespace truescatter {
 
+// The experiment as it was run, which a result and a part hold.
+inline constexpr const char* kResolvedFile = "experiment.resolved.toml";
+
 // What a run ended with.
 struct RunOutcome {
   std::vector<std::string> exceeded;  // one line per stated threshold that was exceeded

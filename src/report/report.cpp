@@ -8,6 +8,7 @@
 #include "core/file.h"
 #include "core/image_io.h"
 #include "core/parallel.h"
+#include "core/plain_pictures.h"
 #include "report/embed_text.h"
 #include "report/page.h"
 #include "report/pictures.h"
@@ -30,10 +31,6 @@ std::string title_of(const json& results) {
   return (named ? results.at(name).get<std::string>() + " \u00b7 " : std::string()) + "truescatter";
 }
 
-double values_of(const std::filesystem::path& picture) {
-  return std::filesystem::exists(picture) ? image_values(picture) : 0.0;
-}
-
 // Of the largest view.
 double most_pixels(const json& results) {
   double most = 0.0;
@@ -54,7 +51,8 @@ void write_report(const std::filesystem::path& folder) {
     for (const std::string& path : buffer_paths(results, file)) {
       wanted.push_back({path, kMaxBufferWidthPx, true});
       // A map in texture space may be larger than any view.
-      pixels = std::max(pixels, values_of(folder / path) / 3.0);
+      const PictureSize size = png_size(folder / path);
+      pixels = std::max(pixels, static_cast<double>(size.width) * size.height);
     }
     const JobLimit limit(jobs_within(pixels * kPictureJobBytes, job_count()));
     const json pictures = embedded_pictures(folder, wanted);

@@ -347,6 +347,10 @@ TEST_F(CliBuffers, TheInsideOfAnOpenSurfaceDoesNotShine) {
 
 // The head has its gloss where it is its nose, cheek and neck, and so has its copy beside it.
 TEST_F(CliBuffers, BuiltInRegionsGoWithEachCharacter) {
+  const auto view = [](const std::string& name, const std::string& x_mm) {
+    return "[[view]]\nname = \"" + name + "\"\neye_mm = [" + x_mm + ", -10.0, 600.0]\ntarget_mm = [" + x_mm +
+           ", -10.0, 0.0]\nfov_deg = 20.0\nwidth_px = 64\nheight_px = 64\n";
+  };
   const std::string heads = R"(
 [scene]
 mesh = "builtin:head"
@@ -357,20 +361,8 @@ position_mm = [0.0, 0.0, 0.0]
 position_mm = [400.0, 0.0, 0.0]
 [[light]]
 direction = [0.3, 0.4, 0.8]
-[[view]]
-name = "one"
-eye_mm = [0.0, -10.0, 600.0]
-target_mm = [0.0, -10.0, 0.0]
-fov_deg = 20.0
-width_px = 64
-height_px = 64
-[[view]]
-name = "other"
-eye_mm = [400.0, -10.0, 600.0]
-target_mm = [400.0, -10.0, 0.0]
-fov_deg = 20.0
-width_px = 64
-height_px = 64
+)" + view("one", "0.0") + view("other", "400.0") +
+                            R"(
 [[profile]]
 name = "spike-and-base"
 [truth]
@@ -393,6 +385,9 @@ regions = "builtin:head"
   const Image other = buffer("other", "gloss", "i");
   const Image roughness = buffer("one", "gloss", "m");
   std::set<double> values;
+  // A corner is drawn at a 256th of a pixel, 0.013 mm here, in each view; where the surface lies 60 degrees
+  // aslant, two views see points 0.05 mm apart. From region to region, over 6 mm, the intensity changes by at
+  // most 0.16, and 1.5 times as steeply in the middle: 2e-3.
   for (std::size_t i = 0; i < intensity.data().size(); ++i) {
     if (intensity.data()[i] == 0.0F) continue;
     EXPECT_NEAR(intensity.data()[i], other.data()[i], 2e-3);
