@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <functional>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "core/progress.h"
 #include "experiment/result_json.h"
-#include "irradiance/shading_mesh.h"
-#include "methods/frame.h"
 #include "methods/passes.h"
 #include "scene/builtin.h"
 
@@ -64,74 +61,80 @@ Camera parallel_camera(double std_dev_mm, double pixels_per_std_dev, double half
   return camera;
 }
 
-struct MiddlePixel {
-  double exitance;
-  double reads_per_pixel;
-};
+// A plane lit by 1, by the square of the distance along x and by that along y, in red, green and blue:
+// methods treat channels alike and apart. Distances are in standard deviations, and along the plane.
+ShadingMesh lit_plane(double std_dev_mm, double slope_deg, double mm_per_uv_unit) {
+  const Mesh mesh = turned_plane(kPlaneStdDevs * std_dev_mm, slope_deg, mm_per_uv_unit);
+  Light light;
+  light.shadows = false;
+  ShadingMesh plane =
+      make_shading_mesh(mesh, Lighting(mesh, {light}), SkinMask(), {1e6, kPlaneStdDevs * std_dev_mm});
+  const Eigen::AngleAxisd turn = turned_by(slope_deg);
+  const Vec3d x = turn * Vec3d::UnitX(), y = turn * Vec3d::UnitY();
+  for (ShadingTriangle& triangle : plane.triangles) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3d p = plane.corner(triangle, c) / std_dev_mm;
+      triangle.irradiance[c] = Vec3d(1.0, std::pow(x.dot(p), 2), std::pow(y.dot(p), 2));
+    }
+  }
+  return plane;
+}
+
+// What is left of the variance along x and y, by the middle pixel of the plane's exitance.
+Vec2d shares_of(const Image& exitance) {
+  const int middle_px = exitance.width() / 2;
+  const Vec3d middle = exitance.rgb(middle_px, middle_px);
+  const double cell_std_devs = kPlaneStdDevs / kCells;
+  return (middle.tail<2>() / middle.x()).array() - cell_std_devs * cell_std_devs / 6.0;
+}
 
 }  // namespace
 
 FilterWidthProbe::FilterWidthProbe(const gpu::Context& context, const Profile& profile, double mm_per_uv_unit)
     : context_(context), std_dev_mm_(profile.widest_std_dev_mm()), mm_per_uv_unit_(mm_per_uv_unit) {
-  assert(std_dev_mm_ > 0.0);
   gaussian_.name = "widest-gaussian";
   gaussian_.terms = {{Vec3d::Constant(std_dev_mm_ * std_dev_mm_), Vec3d::Ones()}};
   gaussian_.r_max_mm = profile.r_max_mm;
 }
 
-double FilterWidthProbe::share(const Method& method, const Settings& settings, double slope_deg,
-                               const Vec2d& along) const {
-  const Mesh mesh = turned_plane(kPlaneStdDevs * std_dev_mm_, slope_deg, mm_per_uv_unit_);
-  Light light;
-  light.shadows = false;
-  ShadingMesh shading =
-      make_shading_mesh(mesh, Lighting(mesh, {light}), SkinMask(), {1e6, kPlaneStdDevs * std_dev_mm_});
-  const Vec3d direction = turned_by(slope_deg) * Vec3d(along.x(), along.y(), 0.0);
-  const auto lit = [&](const std::function<double(double)>& irradiance) {
-    for (ShadingTriangle& triangle : shading.triangles) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double u = direction.dot(shading.corner(triangle, c)) / std_dev_mm_;
-        triangle.irradiance[c] = Vec3d::Constant(irradiance(u));
-      }
-    }
-    return SurfaceBuffers(context_, shading);
-  };
-  const SurfaceBuffers evenly_lit = lit([](double) { return 1.0; });
-  const SurfaceBuffers lit_by_square = lit([](double u) { return u * u; });
-  const double half_std_devs = std::max(4.5, gaussian_.r_max_mm / std_dev_mm_);
-  const auto middle = [&](const SurfaceBuffers& buffers, double pixels_per_std_dev) {
-    const Frame frame = render_frame(context_, buffers, shading,
-                                     parallel_camera(std_dev_mm_, pixels_per_std_dev, half_std_devs));
-    const PreparedMethod prepared =
-        method.prepare({context_, frame, buffers, kDistanceStdDevs * std_dev_mm_, gaussian_, settings});
-    Passes passes(context_);
-    const double reads = method.needs_uvs ? 0.0 : passes.count([&] { prepared.render(passes); }).texels_read;
-    prepared.render(passes);
-    const Image exitance = gpu::read_texture(context_, *prepared.output, 3);
-    const int half_px = exitance.width() / 2;
-    const double pixels = static_cast<double>(exitance.width()) * exitance.height();
-    return MiddlePixel{exitance.at(half_px, half_px, 0), reads / pixels};
-  };
-  const auto share_at = [&](double pixels_per_std_dev) {
-    const MiddlePixel even = middle(evenly_lit, pixels_per_std_dev);
-    const double cell_std_devs = kPlaneStdDevs / kCells;
-    const double share = middle(lit_by_square, pixels_per_std_dev).exitance / even.exitance;
-    return std::pair(share - cell_std_devs * cell_std_devs / 6.0, even.reads_per_pixel);
-  };
-  const auto [coarse, reads] = share_at(kPixelsPerStdDev);
-  // What is filtered in texture space does not know of pixels.
-  if (method.needs_uvs || reads > kMostReadsOfTaps) return coarse;
-  if (std::abs(share_at(kOtherPixelsPerStdDev).first - coarse) <= kAgreement) return coarse;
-  return share_at(kPixelsPerStdDevForTaps).first;
+const FilterWidthProbe::Plane& FilterWidthProbe::plane_at(double slope_deg) {
+  assert(std_dev_mm_ > 0.0);
+  const auto found = planes_.find(slope_deg);
+  if (found != planes_.end()) return found->second;
+  return planes_.try_emplace(slope_deg, context_, lit_plane(std_dev_mm_, slope_deg, mm_per_uv_unit_))
+      .first->second;
 }
 
-FilterWidth FilterWidthProbe::measure(const Method& method, const Settings& settings) const {
-  if (method.needs_uvs) {
-    const double in_texture_space = share(method, settings, 0.0, Vec2d::UnitX());
-    return {in_texture_space, in_texture_space, in_texture_space};
-  }
-  return {share(method, settings, 0.0, Vec2d::UnitX()), share(method, settings, kSlopeDeg, Vec2d::UnitX()),
-          share(method, settings, kSlopeDeg, Vec2d::UnitY())};
+Vec2d FilterWidthProbe::shares(const Method& method, const Settings& settings, double slope_deg) {
+  const Plane& plane = plane_at(slope_deg);
+  const double half_std_devs = std::max(4.5, gaussian_.r_max_mm / std_dev_mm_);
+  double reads_per_pixel = 0.0;
+  const auto shares_at = [&](double pixels_per_std_dev, bool count_reads) {
+    const Frame frame = render_frame(context_, plane.buffers, plane.mesh,
+                                     parallel_camera(std_dev_mm_, pixels_per_std_dev, half_std_devs));
+    const PreparedMethod prepared =
+        method.prepare({context_, frame, plane.buffers, kDistanceStdDevs * std_dev_mm_, gaussian_, settings});
+    Passes passes(context_);
+    if (count_reads) {
+      const double pixels = static_cast<double>(frame.camera.width_px) * frame.camera.height_px;
+      reads_per_pixel = passes.count([&] { prepared.render(passes); }).texels_read / pixels;
+    }
+    prepared.render(passes);
+    return shares_of(gpu::read_texture(context_, *prepared.output, 3));
+  };
+  const Vec2d coarse = shares_at(kPixelsPerStdDev, !method.needs_uvs);
+  // What is filtered in texture space does not know of pixels.
+  if (method.needs_uvs || reads_per_pixel > kMostReadsOfTaps) return coarse;
+  const Eigen::Array2d change = (shares_at(kOtherPixelsPerStdDev, false) - coarse).array().abs();
+  if ((change <= kAgreement).all()) return coarse;
+  return (change <= kAgreement).select(coarse, shares_at(kPixelsPerStdDevForTaps, false));
+}
+
+FilterWidth FilterWidthProbe::measure(const Method& method, const Settings& settings) {
+  const double facing = shares(method, settings, 0.0).x();
+  if (method.needs_uvs) return {facing, facing, facing};
+  const Vec2d sloping = shares(method, settings, kSlopeDeg);
+  return {facing, sloping.x(), sloping.y()};
 }
 
 json filter_width_json(const FilterWidth& width) {
@@ -148,15 +151,14 @@ double cut_variance_share(double variance_mm2, double r_max_mm) {
 
 namespace {
 
-FilterWidth width_of(const gpu::Context& context, const Profile& profile, const PlannedMethod& planned,
-                     const SurfaceBuffers& scene, KnownWidths& known) {
+FilterWidth width_of(FilterWidthProbe& probe, const Profile& profile, const PlannedMethod& planned,
+                     double mm_per_uv_unit, KnownWidths& known) {
   // UVs matter to what filters in texture space alone.
-  const double mm_per_uv_unit = planned.method->needs_uvs ? scene.mean_mm_per_uv_unit() : 0.0;
-  const json key = {planned.label, settings_json(planned.settings), profile_json(profile), mm_per_uv_unit};
+  const json key = {planned.label, settings_json(planned.settings), profile_json(profile),
+                    planned.method->needs_uvs ? mm_per_uv_unit : 0.0};
   const std::string name = key.dump();
   if (const auto found = known.find(name); found != known.end()) return found->second;
-  const FilterWidth width =
-      FilterWidthProbe(context, profile, mm_per_uv_unit).measure(*planned.method, planned.settings);
+  const FilterWidth width = probe.measure(*planned.method, planned.settings);
   known.emplace(name, width);
   return width;
 }
@@ -165,7 +167,8 @@ FilterWidth width_of(const gpu::Context& context, const Profile& profile, const 
 
 json measure_filter_widths(const gpu::Context& context, const Plan& plan, const SurfaceBuffers& scene,
                            KnownWidths& known) {
-  const auto width_of_rung = [&](const Profile& profile, const std::string& rung) -> json {
+  const auto width_of_rung = [&](FilterWidthProbe& probe, const Profile& profile,
+                                 const std::string& rung) -> json {
     if (profile.terms.empty()) return nullptr;
     const double v = std::pow(profile.widest_std_dev_mm(), 2);
     if (rung.starts_with("truth-")) {
@@ -177,7 +180,7 @@ json measure_filter_widths(const gpu::Context& context, const Plan& plan, const 
                                      [&](const PlannedMethod& m) { return m.label == rung; });
     if (method == plan.methods.end() || method->pictures != nullptr || is_skipped(*method, scene.has_uvs()))
       return nullptr;
-    return filter_width_json(width_of(context, profile, *method, scene, known));
+    return filter_width_json(width_of(probe, profile, *method, scene.mean_mm_per_uv_unit(), known));
   };
   std::set<std::string> rungs;
   for (const LadderSpec& ladder : plan.ladders) {
@@ -186,9 +189,10 @@ json measure_filter_widths(const gpu::Context& context, const Plan& plan, const 
   Progress progress("ladders: what is left of a Gaussian's variance", plan.profiles.size() * rungs.size());
   json widths = json::array();
   for (const Profile& profile : plan.profiles) {
+    FilterWidthProbe probe(context, profile, scene.mean_mm_per_uv_unit());
     for (const std::string& rung : rungs) {
       widths.push_back(
-          {{"profile", profile.name}, {"rung", rung}, {"filter_width", width_of_rung(profile, rung)}});
+          {{"profile", profile.name}, {"rung", rung}, {"filter_width", width_of_rung(probe, profile, rung)}});
       progress.advance();
     }
   }

@@ -3,9 +3,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "experiment/plan.h"
 #include "gpu/context.h"
+#include "irradiance/shading_mesh.h"
+#include "methods/frame.h"
 #include "methods/method.h"
 #include "profile/profile.h"
 
@@ -23,8 +26,9 @@ struct FilterWidth {
 inline constexpr double kSlopeDeg = 60.0;
 
 // Measures it for the widest Gaussian of `profile`, of its standard deviation s and its r_max, by drawing a
-// plane of 15 s with the method's own shaders under the irradiances 1 and u^2, from so far that the picture
-// is parallel (2000 s): the exitance in the middle under the second over that under the first. A pixel there
+// plane of 15 s with the method's own shaders under the irradiances 1 and u^2, each in a channel of one
+// picture, from so far that it is parallel (2000 s): the exitance in the middle under the second over that
+// under the first. A pixel there
 // is 1/8 s wide; where a method reads at most 300 texels a pixel and pixels of s / 9.7 give a share that
 // differs by more than 2e-3, so that it is the rounding of taps to pixels that is seen, s / 96.
 //
@@ -35,21 +39,29 @@ inline constexpr double kSlopeDeg = 60.0;
 // is left.
 class FilterWidthProbe {
  public:
-  // The profile has a Gaussian; the context outlives this. A UV unit of the plane is as long as given, and at
-  // least the plane's 15 s: as many texels to a standard deviation as a scene has. What is filtered in
-  // texture space is measured once, facing: slopes do not matter to it.
+  // Only of a profile with a Gaussian can anything be measured. The context outlives this. A UV unit of the
+  // plane is as long as given, and at least the plane's 15 s: as many texels to a standard deviation as a
+  // scene has. What is filtered in texture space is measured once, facing: slopes do not matter to it.
   FilterWidthProbe(const gpu::Context& context, const Profile& profile, double mm_per_uv_unit = 0.0);
 
-  // Throws Error (input) as preparing the method does.
-  FilterWidth measure(const Method& method, const Settings& settings) const;
+  // Keeps the planes that it draws for the next method. Throws Error (input) as preparing the method does.
+  FilterWidth measure(const Method& method, const Settings& settings);
 
  private:
-  double share(const Method& method, const Settings& settings, double slope_deg, const Vec2d& along) const;
+  struct Plane {
+    Plane(const gpu::Context& context, ShadingMesh lit) : mesh(std::move(lit)), buffers(context, mesh) {}
+    const ShadingMesh mesh;
+    const SurfaceBuffers buffers;
+  };
+  const Plane& plane_at(double slope_deg);
+  // Along the plane's x and y.
+  Vec2d shares(const Method& method, const Settings& settings, double slope_deg);
 
   const gpu::Context& context_;
   Profile gaussian_;  // that one alone, alike in all channels
   double std_dev_mm_;
   double mm_per_uv_unit_;
+  std::map<double, Plane> planes_;  // by their slope in degrees
 };
 
 // 1 - x / (e^x - 1), x = r_max^2 / 2 v: what of a Gaussian's variance is left, normalised, where it is cut

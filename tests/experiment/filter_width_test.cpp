@@ -19,7 +19,7 @@ constexpr double kRMaxMm = 4.5;
 FilterWidth width_of(const std::string& name, const std::map<std::string, SettingValue>& given = {}) {
   const Method& method = find_method(name);
   // 12 texels of 512 to a standard deviation.
-  const FilterWidthProbe probe(Scene::context(), one_gaussian(kStdDevMm, kRMaxMm), 512.0 * kStdDevMm / 12.0);
+  FilterWidthProbe probe(Scene::context(), one_gaussian(kStdDevMm, kRMaxMm), 512.0 * kStdDevMm / 12.0);
   return probe.measure(method, Settings(method.name, method.settings, given));
 }
 
