@@ -28,12 +28,16 @@ const Sample* find_sample(const Samples& samples, const Vec3d& normal) {
   return nullptr;
 }
 
+using EdgeId = std::uint32_t;
+
 struct Edge {
   Samples middle;
-  bool refuses_linear = false;  // the lighting at the midpoint, or the mask, asks for a split
-  bool split = false;
-  int midpoint = -1;
+  int midpoint = -1;               // the vertex there, once the edge is split
+  std::array<EdgeId, 2> halves{};  // then: the one at its vertex of the lower number, and the other
 };
+
+// What a triangle's edges are known by: edge c leads from its corner c to the next.
+using TriangleEdges = std::array<EdgeId, 3>;
 
 // Whether a triangle's front may be seen: it faces the eye, and does not lie outside one of the frustum's
 // sides. What hides it is not asked. No part of a triangle that is not seen is.
@@ -69,6 +73,7 @@ class Refiner {
 
   void run() {
     start();
+    number_edges();
     for (int round = 0; round < kMaxRounds; ++round) {
       light_new_edges();
       if (!mark_edges()) return;
@@ -113,6 +118,28 @@ class Refiner {
     for (std::size_t t = 0; t < new_triangles_.size(); ++t) new_triangles_[t] = t;
   }
 
+  void number_edges() {
+    std::unordered_map<std::uint64_t, EdgeId> known;
+    known.reserve(2 * shading_.triangles.size());
+    edges_of_.reserve(shading_.triangles.size());
+    for (const ShadingTriangle& triangle : shading_.triangles) {
+      TriangleEdges& ids = edges_of_.emplace_back();
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint64_t key = edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]);
+        const auto [found, is_new] = known.try_emplace(key, static_cast<EdgeId>(edges_.size()));
+        if (is_new) add_edge();
+        ids[c] = found->second;
+      }
+    }
+  }
+
+  EdgeId add_edge() {
+    edges_.emplace_back();
+    split_.push_back(0);
+    refuses_linear_.push_back(0);
+    return static_cast<EdgeId>(edges_.size() - 1);
+  }
+
   void light(const std::vector<Sample*>& samples) const {
     parallel_for(samples.size(), [&](std::size_t i) {
       samples[i]->irradiance = lighting_.smooth_irradiance(samples[i]->point);
@@ -129,10 +156,6 @@ class Refiner {
     return {triangle.base, 0.5 * (triangle.base_barycentric[c] + triangle.base_barycentric[(c + 1) % 3])};
   }
 
-  Edge& edge_of(const ShadingTriangle& triangle, std::size_t c) {
-    return edges_[edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3])];
-  }
-
   bool mask_differs(const ShadingTriangle& triangle, std::size_t c) const {
     if (mask_.everywhere()) return false;
     const Vec2d& a = triangle.uvs[c];
@@ -141,37 +164,45 @@ class Refiner {
     return mask_.is_skin(b) != skin || mask_.is_skin(0.5 * (a + b)) != skin;
   }
 
+  // Adds the lighting at an edge's midpoint to what is to be evaluated, if it is not known.
+  void want_middle(const ShadingTriangle& triangle, std::size_t c, EdgeId id,
+                   std::vector<std::pair<EdgeId, std::size_t>>& wanted) {
+    const MeshPoint middle = edge_middle(triangle, c);
+    const Vec3d normal = interpolated_normal(mesh_, middle);
+    Samples& samples = edges_[id].middle;
+    if (find_sample(samples, normal) != nullptr) return;
+    wanted.emplace_back(id, samples.size());
+    samples.push_back({normal, middle});
+  }
+
+  void light_middles(const std::vector<std::pair<EdgeId, std::size_t>>& wanted) {
+    std::vector<Sample*> samples;
+    for (const auto& [id, index] : wanted) samples.push_back(&edges_[id].middle[index]);
+    light(samples);
+  }
+
   // Evaluates the lighting at the midpoints of edges that are new, and compares.
   void light_new_edges() {
-    std::vector<std::pair<std::uint64_t, std::size_t>> wanted;  // edge, index into its samples
+    std::vector<std::pair<EdgeId, std::size_t>> wanted;  // edge, index into its samples
     for (const std::size_t t : new_triangles_) {
       const ShadingTriangle& triangle = shading_.triangles[t];
       for (std::size_t c = 0; c < 3; ++c) {
-        const int a = triangle.vertices[c];
-        const int b = triangle.vertices[(c + 1) % 3];
-        if (length_mm(a, b) <= floor_mm_) continue;
-        const MeshPoint middle = edge_middle(triangle, c);
-        const Vec3d normal = interpolated_normal(mesh_, middle);
-        Edge& edge = edge_of(triangle, c);
-        if (find_sample(edge.middle, normal) != nullptr) continue;
-        wanted.emplace_back(edge_key(a, b), edge.middle.size());
-        edge.middle.push_back({normal, middle});
+        if (length_mm(triangle.vertices[c], triangle.vertices[(c + 1) % 3]) <= floor_mm_) continue;
+        want_middle(triangle, c, edges_of_[t][c], wanted);
       }
     }
-    std::vector<Sample*> samples;
-    for (const auto& [key, index] : wanted) samples.push_back(&edges_[key].middle[index]);
-    light(samples);
+    light_middles(wanted);
     for (const std::size_t t : new_triangles_) {
       const ShadingTriangle& triangle = shading_.triangles[t];
       for (std::size_t c = 0; c < 3; ++c) {
-        const auto found = edges_.find(edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]));
-        if (found == edges_.end()) continue;
+        const EdgeId id = edges_of_[t][c];
+        if (edges_[id].middle.empty()) continue;
         const Vec3d normal = interpolated_normal(mesh_, edge_middle(triangle, c));
-        const Sample* sample = find_sample(found->second.middle, normal);
+        const Sample* sample = find_sample(edges_[id].middle, normal);
         if (sample == nullptr) continue;
         const Vec3d linear = 0.5 * (triangle.irradiance[c] + triangle.irradiance[(c + 1) % 3]);
         if ((sample->irradiance - linear).cwiseAbs().maxCoeff() > tolerance_ || mask_differs(triangle, c)) {
-          found->second.refuses_linear = true;
+          refuses_linear_[id] = 1;
         }
       }
     }
@@ -221,7 +252,7 @@ class Refiner {
       if (!is_skin(triangle) || !in_view(triangle)) continue;
       for (std::size_t c = 0; c < 3; ++c) {
         if (length_mm(triangle.vertices[c], triangle.vertices[(c + 1) % 3]) <= visible_edge_mm_) continue;
-        edge_of(triangle, c).split = true;
+        split_[edges_of_[t][c]] = 1;
         any = true;
       }
     }
@@ -232,13 +263,11 @@ class Refiner {
   // for triangles whose edges all pass.
   bool mark_edges() {
     bool any = mark_visible_edges();
-    for (const ShadingTriangle& triangle : shading_.triangles) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const auto found = edges_.find(edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]));
-        if (found != edges_.end() && found->second.refuses_linear && !found->second.split) {
-          found->second.split = true;
-          any = true;
-        }
+    for (const std::size_t t : new_triangles_) {
+      for (const EdgeId id : edges_of_[t]) {
+        if (refuses_linear_[id] == 0) continue;
+        split_[id] = 1;
+        any = true;
       }
     }
     std::vector<char> refuses(new_triangles_.size(), 0);
@@ -250,8 +279,8 @@ class Refiner {
     });
     for (std::size_t i = 0; i < new_triangles_.size(); ++i) {
       if (refuses[i] == 0) continue;
-      const ShadingTriangle& triangle = shading_.triangles[new_triangles_[i]];
-      edge_of(triangle, longest_edge(triangle)).split = true;
+      const std::size_t t = new_triangles_[i];
+      split_[edges_of_[t][longest_edge(shading_.triangles[t])]] = 1;
       any = true;
     }
     return any;
@@ -262,100 +291,111 @@ class Refiner {
     bool changed = true;
     while (changed) {
       changed = false;
-      for (const ShadingTriangle& triangle : shading_.triangles) {
-        if (!has_mark(triangle)) continue;
-        Edge& longest = edge_of(triangle, longest_edge(triangle));
-        if (!longest.split) {
-          longest.split = true;
+      for (std::size_t t = 0; t < shading_.triangles.size(); ++t) {
+        if (!has_mark(edges_of_[t])) continue;
+        char& longest = split_[edges_of_[t][longest_edge(shading_.triangles[t])]];
+        if (longest == 0) {
+          longest = 1;
           changed = true;
         }
       }
     }
   }
 
-  bool has_mark(const ShadingTriangle& triangle) const {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto found = edges_.find(edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]));
-      if (found != edges_.end() && found->second.split) return true;
-    }
-    return false;
+  bool has_mark(const TriangleEdges& ids) const {
+    return std::any_of(ids.begin(), ids.end(), [&](EdgeId id) { return split_[id] != 0; });
   }
 
   // Vertices and their lighting for the marked edges, then the triangles.
   void split_triangles() {
-    light_unlit_midpoints();
-    std::vector<ShadingTriangle> kept;
-    std::vector<ShadingTriangle> fresh;
-    for (const ShadingTriangle& triangle : shading_.triangles) {
-      if (has_mark(triangle)) {
-        bisect(triangle, longest_edge(triangle), fresh);
+    const std::vector<EdgeId> marked = place_midpoints();
+    Triangles kept;
+    Triangles fresh;
+    for (std::size_t t = 0; t < shading_.triangles.size(); ++t) {
+      const ShadingTriangle& triangle = shading_.triangles[t];
+      if (has_mark(edges_of_[t])) {
+        bisect(triangle, edges_of_[t], longest_edge(triangle), fresh);
       } else {
-        kept.push_back(triangle);
+        kept.add(triangle, edges_of_[t]);
       }
     }
-    std::erase_if(edges_, [](const auto& entry) { return entry.second.split; });
+    for (const EdgeId id : marked) edges_[id].middle = Samples();
     new_triangles_.clear();
-    for (std::size_t i = 0; i < fresh.size(); ++i) new_triangles_.push_back(kept.size() + i);
-    kept.insert(kept.end(), fresh.begin(), fresh.end());
-    shading_.triangles = std::move(kept);
+    for (std::size_t i = 0; i < fresh.triangles.size(); ++i)
+      new_triangles_.push_back(kept.triangles.size() + i);
+    kept.triangles.insert(kept.triangles.end(), fresh.triangles.begin(), fresh.triangles.end());
+    kept.edges.insert(kept.edges.end(), fresh.edges.begin(), fresh.edges.end());
+    shading_.triangles = std::move(kept.triangles);
+    edges_of_ = std::move(kept.edges);
   }
 
-  // Edges at or below the floor get here only through the closure, without samples.
-  void light_unlit_midpoints() {
-    std::vector<std::pair<std::uint64_t, std::size_t>> wanted;
-    for (const ShadingTriangle& triangle : shading_.triangles) {
+  // Of the marked edges, which it returns. Those at or below the floor get here only through the closure,
+  // without samples.
+  std::vector<EdgeId> place_midpoints() {
+    std::vector<EdgeId> marked;
+    std::vector<std::pair<EdgeId, std::size_t>> wanted;
+    for (std::size_t t = 0; t < shading_.triangles.size(); ++t) {
+      const ShadingTriangle& triangle = shading_.triangles[t];
       for (std::size_t c = 0; c < 3; ++c) {
-        const std::uint64_t key = edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]);
-        const auto found = edges_.find(key);
-        if (found == edges_.end() || !found->second.split) continue;
-        const MeshPoint middle = edge_middle(triangle, c);
-        const Vec3d normal = interpolated_normal(mesh_, middle);
-        Edge& edge = found->second;
-        if (find_sample(edge.middle, normal) == nullptr) {
-          wanted.emplace_back(key, edge.middle.size());
-          edge.middle.push_back({normal, middle});
-        }
-        if (edge.midpoint < 0) {
-          edge.midpoint = static_cast<int>(shading_.positions_mm.size());
-          shading_.positions_mm.push_back(
-              0.5 * (shading_.positions_mm[static_cast<std::size_t>(triangle.vertices[c])] +
-                     shading_.positions_mm[static_cast<std::size_t>(triangle.vertices[(c + 1) % 3])]));
-        }
+        const EdgeId id = edges_of_[t][c];
+        if (split_[id] == 0) continue;
+        want_middle(triangle, c, id, wanted);
+        if (edges_[id].midpoint >= 0) continue;
+        marked.push_back(id);
+        edges_[id].midpoint = static_cast<int>(shading_.positions_mm.size());
+        shading_.positions_mm.push_back(
+            0.5 * (shading_.positions_mm[static_cast<std::size_t>(triangle.vertices[c])] +
+                   shading_.positions_mm[static_cast<std::size_t>(triangle.vertices[(c + 1) % 3])]));
+        const std::array<EdgeId, 2> halves{add_edge(), add_edge()};
+        edges_[id].halves = halves;
       }
     }
-    std::vector<Sample*> samples;
-    for (const auto& [key, index] : wanted) samples.push_back(&edges_[key].middle[index]);
-    light(samples);
+    light_middles(wanted);
+    return marked;
   }
+
+  // Triangles beside their edges.
+  struct Triangles {
+    void add(const ShadingTriangle& triangle, const TriangleEdges& ids) {
+      triangles.push_back(triangle);
+      edges.push_back(ids);
+    }
+    std::vector<ShadingTriangle> triangles;
+    std::vector<TriangleEdges> edges;
+  };
 
   // Splits a triangle at the midpoint of edge c; the halves go on where they still have a marked edge.
-  void bisect(const ShadingTriangle& triangle, std::size_t c, std::vector<ShadingTriangle>& out) const {
-    const std::size_t next = (c + 1) % 3;
-    const Edge& edge = edges_.at(edge_key(triangle.vertices[c], triangle.vertices[next]));
+  void bisect(const ShadingTriangle& triangle, const TriangleEdges& ids, std::size_t c, Triangles& out) {
+    const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
+    const Edge& edge = edges_[ids[c]];
     const MeshPoint middle = edge_middle(triangle, c);
     const Vec3d normal = interpolated_normal(mesh_, middle);
     const Sample* sample = find_sample(edge.middle, normal);
     assert(sample != nullptr);
-    for (const std::size_t replaced : {next, c}) {
-      ShadingTriangle half = triangle;
-      half.vertices[replaced] = edge.midpoint;
-      half.base_barycentric[replaced] = middle.barycentric;
-      half.normals[replaced] = normal;
-      half.uvs[replaced] = 0.5 * (triangle.uvs[c] + triangle.uvs[next]);
-      half.irradiance[replaced] = sample->irradiance;
-      add_or_bisect(half, out);
-    }
+    const auto half = [&](std::size_t replaced) {
+      ShadingTriangle result = triangle;
+      result.vertices[replaced] = edge.midpoint;
+      result.base_barycentric[replaced] = middle.barycentric;
+      result.normals[replaced] = normal;
+      result.uvs[replaced] = 0.5 * (triangle.uvs[c] + triangle.uvs[next]);
+      result.irradiance[replaced] = sample->irradiance;
+      return result;
+    };
+    const ShadingTriangle first = half(next), second = half(c);
+    const bool ascends = triangle.vertices[c] < triangle.vertices[next];
+    TriangleEdges of_first = ids, of_second = ids;
+    of_first[c] = edge.halves[ascends ? 0 : 1];
+    of_second[c] = edge.halves[ascends ? 1 : 0];
+    of_first[next] = of_second[last] = add_edge();  // between them; `edge` may have moved
+    add_or_bisect(first, of_first, out);
+    add_or_bisect(second, of_second, out);
   }
 
-  void add_or_bisect(const ShadingTriangle& triangle, std::vector<ShadingTriangle>& out) const {
+  void add_or_bisect(const ShadingTriangle& triangle, const TriangleEdges& ids, Triangles& out) {
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto found = edges_.find(edge_key(triangle.vertices[c], triangle.vertices[(c + 1) % 3]));
-      if (found != edges_.end() && found->second.split) {
-        bisect(triangle, c, out);
-        return;
-      }
+      if (split_[ids[c]] != 0) return bisect(triangle, ids, c, out);
     }
-    out.push_back(triangle);
+    out.add(triangle, ids);
   }
 
   ShadingMesh& shading_;
@@ -367,7 +407,10 @@ class Refiner {
   double visible_edge_mm_;
   double tolerance_;
   std::vector<Samples> vertex_samples_;
-  std::unordered_map<std::uint64_t, Edge> edges_;
+  std::vector<Edge> edges_;
+  std::vector<char> split_;              // of each edge: it is to be split, or was
+  std::vector<char> refuses_linear_;     // of each: the lighting at its midpoint, or the mask, asks for it
+  std::vector<TriangleEdges> edges_of_;  // of shading_.triangles
   std::vector<std::size_t> new_triangles_;
 };
 
