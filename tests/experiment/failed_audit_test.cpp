@@ -72,6 +72,7 @@ name = "spike-and-base"
 name = "none"
 [[method]]
 name = "texture-space"
+settings.texture_size = 64
 [truth]
 audit_points = 576
 )";

@@ -71,7 +71,7 @@ TEST(Characters, OutOfSightLeaveEachMethodsPictureAsItWasToTheBit) {
     }
   }
   // Light comes through, so that what is compared is there.
-  const auto picture = [&](const char* name) { return alone.run(find_method(name), profile); };
+  const auto picture = [&](const char* name) { return alone.run(find_method(name), profile, texture_settings({})); };
   EXPECT_GT(test::largest_difference(picture(kTextureMethods[0]), picture(kTextureMethods[1])), 0.01);
   const Method& screen = find_method("pscbf");
   EXPECT_EQ(test::largest_difference(two.run(screen, profile), alone.run(screen, profile)), 0.0);
