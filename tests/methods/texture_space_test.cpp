@@ -83,12 +83,15 @@ double interpolated_kink_mm2(double texel_mm) { return 0.25 * texel_mm * texel_m
 TEST(TextureSpace, DenseTapsReproduceEveryVarianceIncrementally) {
   // The discrete Gaussian has the variance asked for at any width, so what is left are the summing and the
   // cut at 5 s + 2 texels, where of the variance erfc(5 / sqrt 2) + 10 phi(5) = 1.6e-5 remains.
-  constexpr double kTexelMm = kSizeMm / 1024;
+  constexpr int kTexels = 512;
+  constexpr double kTexelMm = kSizeMm / kTexels;
   for (const std::size_t first : {std::size_t{0}, std::size_t{3}}) {
     const double view_mm = first == 0 ? 5.0 : 28.0;
     for (const Eigen::Index axis : {0, 1}) {
       const Scene scene = lit_by_a_kink(axis, 1.0, view_mm);
-      const Image blurred = run(scene, three_levels(first), {{"taps", std::string("dense")}});
+      const Image blurred =
+          run(scene, three_levels(first),
+              {{"taps", std::string("dense")}, {"texture_size", static_cast<double>(kTexels)}});
       const Vec3d added = added_variance_mm2(scene, blurred, axis, view_mm);
       for (Eigen::Index c = 0; c < 3; ++c) {
         const double expected = kVariancesMm2[first + static_cast<std::size_t>(c)];
@@ -149,7 +152,7 @@ TEST(TextureSpace, CorrectsAnisotropicStretchOrNot) {
   // Along u a texel is 60 mm / N wide, along v `a` times that. With the mean instead, 60 sqrt(a) / N, the
   // widths are off by 1 / sqrt(a) along u and sqrt(a) along v: the variances by 1 / a and a. A blurred map of
   // what is the same everywhere is the raw one.
-  constexpr int kTexels = 512;
+  constexpr int kTexels = 256;
   constexpr double kViewMm = 30.0;
   Profile profile = three_levels(0);
   profile.terms = {{Vec3d::Constant(1.5), Vec3d::Ones()}};
