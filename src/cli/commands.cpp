@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "arguments.h"
 #include "config/experiment_spec.h"
@@ -18,6 +22,7 @@
 #include "experiment/run_experiment.h"
 #include "experiment/scene_setup.h"
 #include "experiment/sweep.h"
+#include "gpu/context.h"
 #include "interrupt_note.h"
 #include "irradiance/environment.h"
 #include "methods/method.h"
@@ -140,6 +145,27 @@ int say_exceeded(const RunOutcome& outcome) {
   return outcome.exceeded.empty() ? 0 : 1;
 }
 
+PartRequest request_of(const RunOptions& options) {
+  return {*options.part, exports_of(options), std::string(gpu::name_of(options.gl)), options.times_shared};
+}
+
+// A result replaces a folder as a whole.
+void refuse_part_as_destination(const std::filesystem::path& out,
+                                const std::vector<std::filesystem::path>& parts) {
+  const auto canonical = [](const std::filesystem::path& path) {
+    const std::filesystem::path whole = std::filesystem::weakly_canonical(path);
+    return whole.has_filename() ? whole : whole.parent_path();
+  };
+  const auto lies_in = [](const std::filesystem::path& inner, const std::filesystem::path& outer) {
+    return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+  };
+  for (const std::filesystem::path& part : parts) {
+    if (lies_in(canonical(out), canonical(part)) || lies_in(canonical(part), canonical(out)))
+      throw_input_error({out.string()}, "is, holds or lies in {}, a part that is to be merged",
+                        part.string());
+  }
+}
+
 std::filesystem::path default_folder(const ExperimentSpec& spec, const std::optional<ExperimentPart>& part) {
   const std::string share = part ? fmt::format(".part-{}-of-{}", part->index, part->count) : "";
   return std::filesystem::path("runs") / (spec.name + share);
@@ -160,6 +186,7 @@ int dry_run(const ExperimentSpec& spec, const RunOptions& options, const std::fi
   }
   const std::vector<ScenePlan> scenes = scene_plans(points, plans);
   check_destination(folder);
+  check_kind_of_result(folder, options.part.has_value());
   fmt::print("{}{}output {}: {}\n", text, describe_pieces(scenes, options.part, folder), folder.string(),
              std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
   return 0;
@@ -174,7 +201,8 @@ int run(const RunArguments& arguments) {
   const std::filesystem::path folder =
       arguments.out.empty() ? default_folder(spec, options.part) : arguments.out;
   if (arguments.dry_run) return dry_run(spec, options, folder);
-  if (options.part && options.resume && is_finished_part(folder, *options.part, spec, exports_of(options))) {
+  check_kind_of_result(folder, options.part.has_value());
+  if (options.part && options.resume && is_finished_part(folder, request_of(options), spec)) {
     fmt::print(stderr, "part {} is finished already\n", options.part->str());
     fmt::print("{}\n", folder.string());
     return 0;
@@ -187,6 +215,8 @@ int run(const RunArguments& arguments) {
 }
 
 int merge(const MergeArguments& arguments) {
+  refuse_part_as_destination(arguments.out, arguments.parts);
+  check_kind_of_result(arguments.out, false);
   const std::vector<PartResult> parts = read_parts(arguments.parts);
   ResultFolder results(arguments.out);
   const RunOutcome outcome = merge_parts(parts, results.working());

@@ -177,10 +177,31 @@ std::string view_toml(const ViewSpec& view) {
          line("width_px", view.width_px) + line("height_px", view.height_px);
 }
 
-std::string sweep_toml(const SweepSpec& sweep) {
+// Whether a sweep's key names a file.
+bool names_file(std::string_view key) {
+  constexpr std::array<std::string_view, 11> kFiles = {
+      "mesh", "skin_mask", "transmitter_mask", "normal_map", "albedo", "map",
+      "file", "table",     "layers",           "regions",    "image"};
+  const std::size_t dot = key.rfind('.');
+  const std::string_view last = dot == std::string_view::npos ? key : key.substr(dot + 1);
+  return std::find(kFiles.begin(), kFiles.end(), last) != kFiles.end();
+}
+
+// A sweep's value as TOML; of a key that may name a file, a text is its path (an albedo may be numbers too).
+std::string portable_value(const ExperimentSpec& spec, const std::string& key, const std::string& value) {
+  if (!names_file(key)) return value;
+  std::istringstream stream("value = " + value + "\n");
+  const toml::value read = toml::find(toml::parse(stream, "a sweep's value"), "value");
+  return read.is_string() ? inline_text(toml::value(portable_path(spec, read.as_string().str))) : value;
+}
+
+std::string sweep_toml(const ExperimentSpec& spec, const SweepSpec& sweep) {
   std::vector<std::string> values;
   for (const std::vector<std::string>& value : sweep.values) {
-    const std::string text = fmt::format("{}", fmt::join(value, ", "));
+    std::vector<std::string> portable;
+    for (std::size_t k = 0; k < value.size(); ++k)
+      portable.push_back(portable_value(spec, sweep.keys[k], value[k]));
+    const std::string text = fmt::format("{}", fmt::join(portable, ", "));
     values.push_back(sweep.keys.size() == 1 ? text : "[" + text + "]");
   }
   return "\n[sweep]\n" + line("key", sweep.keys) + fmt::format("values = [{}]\n", fmt::join(values, ", ")) +
@@ -249,7 +270,7 @@ std::string to_toml(const ExperimentSpec& spec) {
     }
   }
   if (spec.stability) text += stability_toml(*spec.stability);
-  if (spec.sweep) text += sweep_toml(*spec.sweep);
+  if (spec.sweep) text += sweep_toml(spec, *spec.sweep);
   return text;
 }
 

@@ -6,8 +6,6 @@
 #include <iterator>
 #include <string>
 
-#include "experiment/result_json.h"
-#include "experiment/sweep.h"
 #include "metrics/map_picture.h"
 
 namespace truescatter {
@@ -19,19 +17,11 @@ void append(json& list, const json& more) {
   for (const json& entry : more) list.push_back(entry);
 }
 
-void add_profiles(const ScenePlan& scene, json& profiles) {
-  for (std::size_t i = 0; i < scene.plan.profiles.size(); ++i) {
-    const Profile& profile = scene.plan.profiles[i];
+void add_profiles(const json& of_scene, json& profiles) {
+  for (const json& profile : of_scene) {
     const bool known = std::any_of(profiles.begin(), profiles.end(),
-                                   [&](const json& other) { return other["name"] == profile.name; });
-    if (known) continue;
-    profiles.push_back(profile_json(profile));
-    if (const auto fit = scene.plan.fits.find(profile.name); fit != scene.plan.fits.end()) {
-      profiles.back()["fit"] = profile_fit_json(scene.plan.approximated.at(profile.name),
-                                                *scene.spec.profiles[i].fit, fit->second);
-    }
-    if (const ProfileModel* model = scene.plan.model_of(profile))
-      profiles.back()["of"] = profile_model_json(*model);
+                                   [&](const json& other) { return other["name"] == profile["name"]; });
+    if (!known) profiles.push_back(profile);
   }
 }
 
@@ -100,62 +90,14 @@ void add_quantile(const json& measured, const char* what, std::vector<double>& q
     quantiles.push_back(measured[what]["p99"].get<double>());
 }
 
-}  // namespace
-
-std::vector<ScenePlan> scene_plans(const std::vector<ExperimentSpec>& points,
-                                   const std::vector<Plan>& plans) {
-  assert(points.size() == plans.size());
-  std::vector<ScenePlan> scenes;
-  for (std::size_t i = 0; i < points.size(); ++i) scenes.push_back({points[i], plans[i]});
-  return scenes;
-}
-
-json join_pieces(const ExperimentSpec& experiment, const std::vector<ScenePlan>& scenes,
-                 const PieceStore& pieces) {
-  json results = {{"experiment",
-                   {{"name", experiment.name},
-                    {"question", experiment.question},
-                    {"expectation", experiment.expectation},
-                    {"source", experiment.source}}}};
-  for (const char* list :
-       {"profiles", "views", "truths", "fit_errors", "light_paths", "runs", "ladders", "stability"})
-    results[list] = json::array();
-  std::vector<json> described;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    add_profiles(scenes[i], results["profiles"]);
-    const std::size_t first_view = results["views"].size();
-    const std::size_t first_run = results["runs"].size();
-    const std::size_t first_ladder = results["ladders"].size();
-    for (const Piece& piece : pieces_of(scenes[i].spec, scenes[i].plan))
-      add_piece(piece, pieces.read(piece), first_ladder, results);
-    described.push_back(results["scene"]);
-    if (experiment.sweep) mark_sweep(experiment, i, first_view, first_run, results);
-  }
-  if (experiment.composite) results["composite"] = composite_json(*experiment.composite);
-  // What is said of the scene is said of the first.
-  results["scene"] = described.front();
-  if (experiment.sweep) results["sweep"] = sweep_json(*experiment.sweep, described, results);
-  return results;
-}
-
-MapRanges common_ranges(const json& results) {
-  std::vector<double> errors;
-  for (const json& run : results["runs"]) add_quantile(run, "metrics", errors);
-  std::vector<double> steps;
-  for (const json& ladder : results["ladders"]) {
-    for (const json& rung : ladder.value("rungs", json::array())) add_quantile(rung, "step", steps);
-  }
-  return {range_of(errors), range_of(steps)};
-}
-
-std::vector<ViewPictures> pictures_of(const ScenePlan& scene, const PieceStore& pieces) {
-  std::vector<ViewPictures> views;
-  for (const Piece& piece : pieces_of(scene.spec, scene.plan)) {
+void add_pictures(const std::vector<Piece>& of_scene, bool composites, const PieceStore& pieces,
+                  std::vector<ViewPictures>& views) {
+  for (const Piece& piece : of_scene) {
     const json finished = pieces.read(piece);
     switch (piece.kind) {
       case Piece::Kind::view:
         views.push_back({piece.view, pieces.picture(piece), finished["exposure"].get<double>()});
-        views.back().composites = scene.spec.composite.has_value();
+        views.back().composites = composites;
         break;
       case Piece::Kind::truth:
         views.back().truths.push_back(piece.stem());
@@ -175,6 +117,46 @@ std::vector<ViewPictures> pictures_of(const ScenePlan& scene, const PieceStore& 
         break;
     }
   }
+}
+
+}  // namespace
+
+json join_pieces(const ExperimentRecord& record, const PieceStore& pieces) {
+  json results = {{"experiment", record.experiment}};
+  for (const char* list :
+       {"profiles", "views", "truths", "fit_errors", "light_paths", "runs", "ladders", "stability"})
+    results[list] = json::array();
+  std::vector<json> described;
+  for (const ExperimentRecord::Scene& scene : record.scenes) {
+    add_profiles(scene.profiles, results["profiles"]);
+    const std::size_t first_view = results["views"].size();
+    const std::size_t first_run = results["runs"].size();
+    const std::size_t first_ladder = results["ladders"].size();
+    for (const Piece& piece : scene.pieces) add_piece(piece, pieces.read(piece), first_ladder, results);
+    described.push_back(results["scene"]);
+    if (scene.mark) mark_sweep(*scene.mark, first_view, first_run, results);
+  }
+  if (!record.composite.is_null()) results["composite"] = record.composite;
+  // What is said of the scene is said of the first.
+  results["scene"] = described.front();
+  if (record.sweep) results["sweep"] = sweep_json(*record.sweep, described, results);
+  return results;
+}
+
+MapRanges common_ranges(const json& results) {
+  std::vector<double> errors;
+  for (const json& run : results["runs"]) add_quantile(run, "metrics", errors);
+  std::vector<double> steps;
+  for (const json& ladder : results["ladders"]) {
+    for (const json& rung : ladder.value("rungs", json::array())) add_quantile(rung, "step", steps);
+  }
+  return {range_of(errors), range_of(steps)};
+}
+
+std::vector<ViewPictures> pictures_of(const ExperimentRecord& record, const PieceStore& pieces) {
+  std::vector<ViewPictures> views;
+  for (const ExperimentRecord::Scene& scene : record.scenes)
+    add_pictures(scene.pieces, !record.composite.is_null(), pieces, views);
   return views;
 }
 

@@ -1,11 +1,16 @@
 #include "experiment/merge_parts.h"
 
 #include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/parallel.h"
 #include "experiment/provenance.h"
-#include "experiment/sweep.h"
 
 namespace truescatter {
 namespace {
@@ -13,29 +18,51 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-ExperimentSpec experiment_of(const PartResult& part) {
-  ExperimentSpec spec = read_experiment(part.folder / kResolvedFile);
-  if (experiment_hash(spec) != part.key.value("experiment", std::string())) {
-    throw_input_error({(part.folder / kResolvedFile).string()},
-                      "is not the experiment that this part was computed of");
-  }
-  return spec;
+// Another program would put its own name under what it did not compute.
+void check_program(const PartResult& part) {
+  json before = json::object();
+  const json now = program_provenance();
+  for (const auto& [key, value] : now.items()) before[key] = part.key.value(key, json());
+  if (const std::string difference = provenance_difference(before, now); !difference.empty())
+    throw_input_error({(part.folder / kPartFile).string()},
+                      "was computed by another program, which alone can merge it: {}", difference);
 }
 
-// That the parts have all pieces, each by its share.
-void check_pieces(const std::vector<PartResult>& parts, const std::vector<ScenePlan>& scenes) {
+// That the parts have the pieces of the experiment, each once.
+void check_pieces(const std::vector<PartResult>& parts) {
+  std::map<std::string, const PartResult*> has;
   for (const PartResult& part : parts) {
-    const std::set<std::string> own = pieces_of_part(scenes, part.part);
-    if (own != std::set<std::string>(part.pieces.begin(), part.pieces.end())) {
-      throw_input_error({(part.folder / kPartFile).string()},
-                        "does not list the pieces of part {} of this experiment", part.part.str());
-    }
-    for (const std::string& id : own) {
-      const fs::path file = part.folder / "pieces" / (id + ".json");
-      if (!fs::exists(file))
-        throw_input_error({file.string()}, "this piece of part {} is missing", part.part.str());
+    for (const std::string& id : part.pieces) {
+      const auto [found, is_new] = has.try_emplace(id, &part);
+      if (!is_new)
+        throw_input_error({(part.folder / kPartFile).string()}, "lists piece {}, as {} does", id,
+                          found->second->folder.string());
     }
   }
+  for (const ExperimentRecord::Scene& scene : parts.front().record.scenes) {
+    for (const Piece& piece : scene.pieces) {
+      if (has.erase(piece.id()) == 0)
+        throw_input_error({}, "no part lists piece {} of this experiment", piece.id());
+    }
+  }
+  if (!has.empty())
+    throw_input_error({(has.begin()->second->folder / kPartFile).string()},
+                      "lists {}, which is no piece of this experiment", has.begin()->first);
+}
+
+void check_files(const PartResult& part) {
+  for (const std::string& id : part.pieces) {
+    if (part.files.count("pieces/" + id + ".json") == 0)
+      throw_input_error({(part.folder / kPartFile).string()}, "lists piece {} but no file of it", id);
+  }
+  std::vector<std::pair<std::string, std::string>> files(part.files.begin(), part.files.end());
+  parallel_for(files.size(), [&](std::size_t i) {
+    const fs::path file = part.folder / files[i].first;
+    if (!fs::exists(file))
+      throw_input_error({file.string()}, "this file of part {} is missing", part.part.str());
+    if (hash_of_file(file) != files[i].second)
+      throw_input_error({file.string()}, "is not the file that {} says", kPartFile);
+  });
 }
 
 void copy_files(const fs::path& from, const fs::path& to) {
@@ -55,25 +82,22 @@ void copy_files(const fs::path& from, const fs::path& to) {
 }  // namespace
 
 RunOutcome merge_parts(const std::vector<PartResult>& parts, const fs::path& folder) {
-  const ExperimentSpec spec = experiment_of(parts.front());
-  const std::vector<ExperimentSpec> points = sweep_points(spec);
-  std::vector<Plan> plans;
-  // Pictures made elsewhere were read when the parts were computed.
-  for (const ExperimentSpec& point : points) plans.push_back(make_plan(point, true));
-  const std::vector<ScenePlan> scenes = scene_plans(points, plans);
-  check_pieces(parts, scenes);
+  for (const PartResult& part : parts) check_program(part);
+  check_pieces(parts);
+  for (const PartResult& part : parts) check_files(part);
 
   const PieceStore pieces(folder);
   MemoryTaken memory = parts.front().work.memory;
+  std::vector<json> keys;
   for (const PartResult& part : parts) {
-    for (const char* kind : {"pieces", "maps", "inputs", "passes"})
-      copy_files(part.folder / kind, folder / kind);
+    for (const char* kind : kPartFolders) copy_files(part.folder / kind, folder / kind);
     memory.peak_bytes = std::max(memory.peak_bytes, part.work.memory.peak_bytes);
+    keys.push_back(part.key);
   }
   json key = parts.front().key;
-  key.erase("part");
+  for (const char* own : {"part", "more_machines", "times_shared"}) key.erase(own);
   pieces.set_key(key);
-  return write_results(spec, scenes, pieces, key, memory, folder);
+  return write_results(parts.front().record, pieces, key, memory, folder, machines_of(keys));
 }
 
 }  // namespace truescatter

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/parse_number.h"
@@ -70,9 +71,22 @@ std::set<std::string> ids_where(const std::vector<ScenePlan>& scenes, const Expe
 
 // What must be the same for parts to be joined: nodes of one cluster differ in name and number of cores.
 json joined_key(json key) {
-  key.erase("part");
-  key.erase("machine");
+  for (const char* own : {"part", "machine", "more_machines", "rasteriser_threads", "times_shared"})
+    key.erase(own);
   return key;
+}
+
+// Every file that a part's result has beside part.json and the resolved experiment.
+std::map<std::string, std::string> files_of(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const char* kind : kPartFolders) {
+    if (!fs::is_directory(folder / kind)) continue;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder / kind)) {
+      const fs::path name = entry.path().filename();
+      if (name != PieceStore::kKeyFile) files[(kind / name).string()] = hash_of_file(entry.path());
+    }
+  }
+  return files;
 }
 
 std::string duration_text(double seconds) {
@@ -91,7 +105,7 @@ void check_same(const PartResult& first, const PartResult& other) {
     throw_input_error(where, "is part {}, and {} is part {}: not of one division", other.part.str(),
                       first.folder.string(), first.part.str());
   }
-  const std::string difference = provenance_difference(joined_key(first.key), joined_key(other.key));
+  const std::string difference = part_difference(first.key, other.key);
   if (!difference.empty()) {
     throw_input_error(where, "cannot be joined with {}: {}", first.folder.string(), difference);
   }
@@ -163,11 +177,13 @@ std::string describe_pieces(const std::vector<ScenePlan>& scenes, const std::opt
 }
 
 void write_part(const fs::path& folder, const ExperimentPart& part, const std::set<std::string>& pieces,
-                const json& key, const PartWork& work) {
+                const ExperimentRecord& record, const json& key, const PartWork& work) {
   const json written = {
       {"schema", kPartSchema},
       {"part", {{"index", part.index}, {"of", part.count}}},
       {"pieces", pieces},
+      {"record", record_json(record)},
+      {"files", files_of(folder)},
       {"provenance", key},
       {"truths", {{"computed", work.truths_computed}, {"found", work.truths_found}}},
       {"memory", {{"peak_bytes", work.memory.peak_bytes}, {"limit_bytes", work.memory.limit_bytes}}}};
@@ -185,6 +201,8 @@ PartResult read_part(const fs::path& folder) {
       return {folder,
               {read.at("part").at("index").get<int>(), read.at("part").at("of").get<int>()},
               read.at("pieces").get<std::vector<std::string>>(),
+              read_record(read.at("record")),
+              read.at("files").get<std::map<std::string, std::string>>(),
               read.at("provenance"),
               {{read.at("memory").at("peak_bytes").get<std::uint64_t>(),
                 read.at("memory").at("limit_bytes").get<std::uint64_t>()},
@@ -207,17 +225,61 @@ std::vector<PartResult> read_parts(const std::vector<fs::path>& folders) {
   return parts;
 }
 
-bool is_finished_part(const fs::path& folder, const ExperimentPart& part, const ExperimentSpec& spec,
-                      const json& exports) {
+std::string part_difference(const json& before, const json& now) {
+  return provenance_difference(joined_key(before), joined_key(now));
+}
+
+json machines_of(const std::vector<json>& keys) {
+  json machines = json::array();
+  const auto add = [&](json machine) {
+    machine.erase("jobs");
+    machine.erase("system");
+    if (std::find(machines.begin(), machines.end(), machine) == machines.end()) machines.push_back(machine);
+  };
+  for (const json& key : keys) {
+    add(key.value("machine", json::object()));
+    for (const json& more : key.value("more_machines", json::array())) add(more);
+  }
+  return machines;
+}
+
+json with_machines_of(const json& key, const json& other) {
+  json machines = machines_of({key, other});
+  json joined = key;
+  machines.erase(machines.begin());
+  if (!machines.empty()) joined["more_machines"] = machines;
+  return joined;
+}
+
+bool is_finished_part(const fs::path& folder, const PartRequest& request, const ExperimentSpec& spec) {
   if (!fs::exists(folder / kPartFile)) return false;
-  const PartResult there = read_part(folder);
   json now = program_provenance();
   now["experiment"] = experiment_hash(spec);
   now["inputs"] = input_hashes(spec);
-  now["exports"] = exports;
-  json before = json::object();
-  for (const auto& [key, value] : now.items()) before[key] = there.key.value(key, json());
-  return there.part == part && before == now;
+  now["exports"] = request.exports;
+  now["gl_context"] = request.gl_context;
+  now["times_shared"] = request.times_shared;
+  try {
+    const PartResult there = read_part(folder);
+    json before = json::object();
+    for (const auto& [key, value] : now.items()) before[key] = there.key.value(key, json());
+    const bool complete = std::all_of(there.files.begin(), there.files.end(),
+                                      [&](const auto& file) { return fs::exists(folder / file.first); });
+    return complete && there.part == request.part && before == now;
+  } catch (const Error& error) {
+    fmt::print(stderr, "note: {}; computing the part again\n", error.what());
+    return false;
+  }
+}
+
+void check_kind_of_result(const fs::path& folder, bool is_part) {
+  const bool holds_part = fs::exists(folder / kPartFile);
+  const bool holds_whole = fs::exists(folder / "results.json");
+  if (is_part && holds_whole && !holds_part)
+    throw_input_error({folder.string()}, "holds a whole result, which a part does not replace");
+  if (!is_part && holds_part)
+    throw_input_error({folder.string()},
+                      "holds a part of an experiment, which a whole result does not replace");
 }
 
 }  // namespace truescatter

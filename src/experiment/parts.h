@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -37,35 +39,57 @@ std::string describe_pieces(const std::vector<ScenePlan>& scenes, const std::opt
                             const std::filesystem::path& destination);
 
 // A part's result is a folder with its pieces and maps, and part.json, which says of which part and under
-// which provenance they were computed.
+// which provenance they were computed, what all of them are of, and what each file holds.
 struct PartWork {
   MemoryTaken memory;
   std::size_t truths_computed;  // Gaussians, of the view's pixels each; that were stored in the cache
   std::size_t truths_found;     // in the cache
 };
 inline constexpr const char* kPartFile = "part.json";
-inline constexpr const char* kPartSchema = "truescatter-part-1";
+inline constexpr std::array<const char*, 4> kPartFolders = {"pieces", "maps", "inputs", "passes"};
+inline constexpr const char* kPartSchema = "truescatter-part-2";
 void write_part(const std::filesystem::path& folder, const ExperimentPart& part,
-                const std::set<std::string>& pieces, const nlohmann::json& key, const PartWork& work);
+                const std::set<std::string>& pieces, const ExperimentRecord& record,
+                const nlohmann::json& key, const PartWork& work);
 
 // What part.json says. Throws Error (input) that names the file if it is not there or says anything else.
 struct PartResult {
   std::filesystem::path folder;
   ExperimentPart part;
   std::vector<std::string> pieces;
-  nlohmann::json key;  // provenance
+  ExperimentRecord record;
+  std::map<std::string, std::string> files;  // hash_of_file, by their paths in the folder
+  nlohmann::json key;                        // provenance
   PartWork work;
 };
 PartResult read_part(const std::filesystem::path& folder);
 
 // The parts of one experiment, in their order. Throws Error (input) that names folders and parts where one is
 // missing or there twice, or where they were computed by another program, of another experiment or of other
-// inputs; and a piece's file that is not there. Machines may differ, renderers may not.
+// inputs. Machines may differ, renderers may not.
 std::vector<PartResult> read_parts(const std::vector<std::filesystem::path>& folders);
 
-// Whether `folder` holds this part, finished by this program of this experiment, these inputs and these
-// exports: nothing is left to do for it.
-bool is_finished_part(const std::filesystem::path& folder, const ExperimentPart& part,
-                      const ExperimentSpec& spec, const nlohmann::json& exports);
+// Why what was computed under `before` cannot be joined with what is computed under `now`; empty: it can.
+// Unlike provenance_difference this takes no notice of machines.
+std::string part_difference(const nlohmann::json& before, const nlohmann::json& now);
+
+// `key`, and the machines of another one.
+nlohmann::json with_machines_of(const nlohmann::json& key, const nlohmann::json& other);
+// The machines that computed what lies under these keys, each once, without what no time depends on.
+nlohmann::json machines_of(const std::vector<nlohmann::json>& keys);
+
+// Whether `folder` holds this part, all of it, finished by this program of this experiment, these inputs and
+// these exports, in the same kind of OpenGL context and its times as fit for charts: nothing is left to do.
+struct PartRequest {
+  ExperimentPart part;
+  nlohmann::json exports;
+  std::string gl_context;
+  bool times_shared = false;
+};
+bool is_finished_part(const std::filesystem::path& folder, const PartRequest& request,
+                      const ExperimentSpec& spec);
+
+// Throws Error (input) that names the folder if a part would replace a whole result there, or the reverse.
+void check_kind_of_result(const std::filesystem::path& folder, bool is_part);
 
 }  // namespace truescatter

@@ -31,8 +31,9 @@ const std::map<std::string, std::vector<std::string>, std::less<>> kFolders = {{
                                                                                {"inputs", {".exr", ".json"}},
                                                                                {"passes", {".png", ".exr"}},
                                                                                {"pieces", {".json", ".exr"}}};
-constexpr std::array<std::string_view, 5> kFiles = {"report.html", "results.json", "results.csv",
-                                                    kResolvedFile, kPartFile};
+constexpr const char* kLockFile = ".lock";  // as long as a process works in the folder
+constexpr std::array<std::string_view, 6> kFiles = {"report.html", "results.json", "results.csv",
+                                                    kResolvedFile, kPartFile,      kLockFile};
 
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::error_code failure;
@@ -102,9 +103,10 @@ bool is_mount_point(const fs::path& folder) {
          own.st_dev != parent.st_dev;
 }
 
-// Locks a folder that no process holds; -1 if one does, or if it cannot be opened.
+// Locks a folder that no process holds; -1 if one does, or if it cannot be opened. By a file in it: locks of
+// folders themselves are each machine's own on a file system that several share (NFS).
 int lock_folder(const fs::path& folder) {
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int descriptor = open((folder / kLockFile).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor < 0 || flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
   close(descriptor);
   return -1;
@@ -312,6 +314,9 @@ ResultFolder::~ResultFolder() {
 
 void ResultFolder::publish(bool with_pieces) {
   exchange();
+  // The result is whole; before, the folder would have been anybody's.
+  std::error_code ignored;
+  fs::remove(target_ / kLockFile, ignored);
   // Now, not before: what cannot be put in its place can be resumed.
   try {
     if (!with_pieces) remove_pieces(target_);

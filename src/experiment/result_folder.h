@@ -20,9 +20,9 @@ std::filesystem::path pieces_left_for(const std::filesystem::path& destination);
 // A result folder that appears whole or not at all. All files are written to a temporary folder beside it,
 // `.<name>.<process>.part`, which `publish` puts in its place; until then an earlier result stays as it is,
 // and an object that goes without `publish` or `keep` takes the temporary folder with it. The temporary
-// folder is locked (flock) as long as the object lives: one that is not is left over from a run that was cut
-// off. If it has finished pieces (PieceStore), a run can go on from them; it stays until another run is
-// published.
+// folder is locked (flock, by a file in it) as long as the object lives: one that is not is left over from a
+// run that was cut off. If it has finished pieces (PieceStore), a run can go on from them; it stays until
+// another run is published.
 class ResultFolder {
  public:
   // Makes the temporary folder, or with `resume` takes over the left-over one of this destination whose

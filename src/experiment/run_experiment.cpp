@@ -126,22 +126,41 @@ std::vector<Plan> make_plans(const std::vector<ExperimentSpec>& points, const Ru
 json key_of(const gpu::Context& context, const ExperimentSpec& spec, const RunOptions& options) {
   json key = provenance(context, spec);
   key["exports"] = exports_of(options);
-  if (options.part) key["part"] = options.part->str();
+  if (!options.part) return key;
+  key["part"] = options.part->str();
+  key["times_shared"] = options.times_shared;
+  return key;
+}
+
+json start_anew(PieceStore& pieces, const json& key) {
+  pieces.clear();
+  pieces.set_key(key);
   return key;
 }
 
 // The pieces that a run goes on from; none, unless that is asked for. Returns what they belong to.
 json start_pieces(PieceStore& pieces, const json& key, bool resume) {
   const std::optional<json> before = pieces.key();
-  if (!resume || !before) {
-    pieces.clear();
-    pieces.set_key(key);
-    return key;
-  }
+  if (!resume || !before) return start_anew(pieces, key);
   if (const std::string difference = provenance_difference(*before, key); !difference.empty())
     throw_input_error({}, "the run that was cut off cannot be resumed: {}; without --resume it starts anew",
                       difference);
   return *before;
+}
+
+// The same of a part, which a scheduler may begin again on another machine, and with the same command after
+// the experiment has changed.
+json start_part(PieceStore& pieces, const json& key, bool resume) {
+  const std::optional<json> before = pieces.key();
+  if (!resume || !before) return start_anew(pieces, key);
+  if (const std::string difference = part_difference(*before, key); !difference.empty()) {
+    fmt::print(stderr, "note: what was cut off is of something else ({}); starting from the beginning\n",
+               difference);
+    return start_anew(pieces, key);
+  }
+  const json joined = with_machines_of(*before, key);
+  pieces.set_key(joined);
+  return joined;
 }
 
 }  // namespace
@@ -167,7 +186,9 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   if (!passes.empty()) make_folder(passes);
 
   PieceStore pieces(folder, options.part ? pieces_elsewhere(scenes, *options.part) : std::set<std::string>());
-  const json key = start_pieces(pieces, key_of(context, spec, options), options.resume);
+  const json now = key_of(context, spec, options);
+  const json key =
+      options.part ? start_part(pieces, now, options.resume) : start_pieces(pieces, now, options.resume);
   say_finished(scenes, pieces);
   const ImageTexts origin = picture_origin(key);
   std::optional<Compositor> compositor;
@@ -178,11 +199,12 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
               compositor ? &*compositor : nullptr, widths, options.memory_limit_bytes, options.times_shared});
 
   const MemoryTaken memory{peak_memory(), options.memory_limit_bytes};
-  if (!options.part) return write_results(spec, scenes, pieces, key, memory, folder);
-  write_text_file(folder / kResolvedFile, to_toml(spec));
+  const ExperimentRecord record = record_of(spec, scenes);
+  if (!options.part) return write_results(record, pieces, key, memory, folder);
+  write_text_file(folder / kResolvedFile, record.resolved);
   const PartWork work{memory, cache != nullptr ? cache->stored_count() : 0,
                       cache != nullptr ? cache->found_count() : 0};
-  write_part(folder, *options.part, pieces_of_part(scenes, *options.part), key, work);
+  write_part(folder, *options.part, pieces_of_part(scenes, *options.part), record, key, work);
   return {};
 }
 

@@ -108,33 +108,42 @@ std::vector<ExperimentSpec> sweep_points(const ExperimentSpec& spec) {
   return points;
 }
 
-void mark_sweep(const ExperimentSpec& spec, std::size_t point, std::size_t first_view, std::size_t first_run,
-                json& results) {
-  const ExperimentSpec& base = spec.sweep->point[point];
-  const ExperimentSpec named = point_of(*spec.sweep, point);
-  const auto mark = [&](json& entry, const json& view) {
-    entry["sweep"] = {{"index", point}, {"axis", spec.sweep->axis[point]}};
-    for (std::size_t v = 0; v < named.views.size(); ++v) {
-      if (view == named.views[v].name) entry["sweep"]["view"] = base.views[v].name;
-    }
+SweepMark sweep_mark(const SweepSpec& sweep, std::size_t point) {
+  const ExperimentSpec& base = sweep.point[point];
+  const ExperimentSpec named = point_of(sweep, point);
+  SweepMark mark{point, sweep.axis[point], {}, {}};
+  for (std::size_t v = 0; v < named.views.size(); ++v) mark.views[named.views[v].name] = base.views[v].name;
+  for (std::size_t p = 0; p < named.profiles.size(); ++p)
+    mark.profiles[named.profiles[p].name] = base.profiles[p].name;
+  return mark;
+}
+
+SweepText sweep_text(const SweepSpec& sweep) {
+  SweepText text{sweep.keys, {}, sweep.axis, sweep.title, sweep.unit, sweep.difficulty, sweep.scale};
+  for (const std::vector<std::string>& value : sweep.values)
+    text.values.push_back(fmt::format("{}", fmt::join(value, ", ")));
+  return text;
+}
+
+void mark_sweep(const SweepMark& mark, std::size_t first_view, std::size_t first_run, json& results) {
+  const auto set = [&](json& entry, const std::string& view) {
+    entry["sweep"] = {{"index", mark.index}, {"axis", mark.axis}, {"view", mark.views.at(view)}};
   };
-  for (std::size_t v = first_view; v < results["views"].size(); ++v)
-    mark(results["views"][v], results["views"][v]["name"]);
+  for (std::size_t v = first_view; v < results["views"].size(); ++v) {
+    json& view = results["views"][v];
+    set(view, view["name"].get<std::string>());
+  }
   for (std::size_t r = first_run; r < results["runs"].size(); ++r) {
     json& run = results["runs"][r];
-    mark(run, run["view"]);
-    for (std::size_t p = 0; p < named.profiles.size(); ++p) {
-      if (run["profile"] == named.profiles[p].name) run["sweep"]["profile"] = base.profiles[p].name;
-    }
+    set(run, run["view"].get<std::string>());
+    run["sweep"]["profile"] = mark.profiles.at(run["profile"].get<std::string>());
   }
 }
 
-json sweep_json(const SweepSpec& sweep, const std::vector<json>& scenes, const json& results) {
+json sweep_json(const SweepText& sweep, const std::vector<json>& scenes, const json& results) {
   json points = json::array();
   for (std::size_t i = 0; i < sweep.axis.size(); ++i) {
-    points.push_back({{"axis", sweep.axis[i]},
-                      {"value", fmt::format("{}", fmt::join(sweep.values[i], ", "))},
-                      {"scene", scenes[i]}});
+    points.push_back({{"axis", sweep.axis[i]}, {"value", sweep.values[i]}, {"scene", scenes[i]}});
   }
   json curves = json::array();
   for (const json& run : results["runs"]) {

@@ -25,10 +25,11 @@ struct MemoryTaken {
 };
 
 // Writes results.json, results.csv, experiment.resolved.toml and the pictures in maps/ into `folder`, out of
-// its finished pieces, every one of which is there. `key`: the provenance that they were computed under.
-// Throws Error (run) that names a file that cannot be read or written.
-RunOutcome write_results(const ExperimentSpec& spec, const std::vector<ScenePlan>& scenes,
-                         const PieceStore& pieces, const nlohmann::json& key, const MemoryTaken& memory,
-                         const std::filesystem::path& folder);
+// its finished pieces, every one of which is there. `key`: the provenance that they were computed under;
+// `machines`: all that computed them, where they were several. Then no time can be held against another, and
+// all are marked as `shared`. Throws Error (run) that names a file that cannot be read or written.
+RunOutcome write_results(const ExperimentRecord& record, const PieceStore& pieces, const nlohmann::json& key,
+                         const MemoryTaken& memory, const std::filesystem::path& folder,
+                         const nlohmann::json& machines = nlohmann::json::array());
 
 }  // namespace truescatter

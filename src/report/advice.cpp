@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "report/results_file.h"
 
 namespace truescatter {
 namespace {
@@ -122,11 +123,6 @@ double error_of(const json& run, const std::string& metric) {
   if (metric == "rmse") return relative;
   const double rmse = number_at(metrics, "/rmse");
   return rmse > 0.0 ? number_at(metrics, "/p99") * relative / rmse : relative;
-}
-
-bool is_time_shared(const json& run) {
-  const json::json_pointer shared("/cost/frame_ms/shared");
-  return run.contains(shared) && run.at(shared) == true;
 }
 
 // Why a run cannot be weighed; empty: it can.

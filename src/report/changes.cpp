@@ -203,7 +203,10 @@ json metric_change(const MetricField& field, const NamedRun& old_run, const Name
   if (field.noise != Noise::time) return object;
   object["old_range"] = range_of(old_run.run);
   object["new_range"] = range_of(new_run.run);
-  if (object["old_range"].is_null() || object["new_range"].is_null()) {
+  if (is_time_shared(old_run.run) || is_time_shared(new_run.run)) {
+    object["changed"] = nullptr;
+    object["changed_reason"] = "other work ran on the machine while a side was timed";
+  } else if (object["old_range"].is_null() || object["new_range"].is_null()) {
     object["changed"] = nullptr;
     object["changed_reason"] = "fewer than two repeats on a side say nothing of noise";
   } else {

@@ -27,4 +27,9 @@ json read_results(const std::filesystem::path& folder) {
   return results;
 }
 
+bool is_time_shared(const json& run) {
+  const json::json_pointer shared("/cost/frame_ms/shared");
+  return run.contains(shared) && run.at(shared) == true;
+}
+
 }  // namespace truescatter

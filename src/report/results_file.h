@@ -9,4 +9,8 @@ namespace truescatter {
 // JSON (with line and column), or of a schema that this version does not know.
 nlohmann::json read_results(const std::filesystem::path& folder);
 
+// Whether a run was timed beside other work, or on another machine than others of its result: its times are
+// then not held against any.
+bool is_time_shared(const nlohmann::json& run);
+
 }  // namespace truescatter

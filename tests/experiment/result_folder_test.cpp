@@ -172,7 +172,7 @@ TEST_F(ResultFolderTest, LeftoversThatAreNotOursStay) {
 TEST_F(ResultFolderTest, ARunThatIsGoingOnIsLeftAlone) {
   write_result("out");
   fs::create_directory(folder_.path() / kLeft);
-  const int held = open((folder_.path() / kLeft).c_str(), O_RDONLY | O_DIRECTORY);
+  const int held = open((folder_.path() / kLeft / ".lock").c_str(), O_RDWR | O_CREAT, 0666);
   ASSERT_EQ(flock(held, LOCK_EX | LOCK_NB), 0);
   { const ResultFolder results(out()); }
   EXPECT_TRUE(fs::exists(folder_.path() / kLeft));
@@ -182,10 +182,13 @@ TEST_F(ResultFolderTest, ARunThatIsGoingOnIsLeftAlone) {
 }
 
 TEST_F(ResultFolderTest, LocksItsOwnFolder) {
-  const ResultFolder results(out());
-  const int other = open(results.working().c_str(), O_RDONLY | O_DIRECTORY);
+  ResultFolder results(out());
+  const int other = open((results.working() / ".lock").c_str(), O_RDWR);
+  ASSERT_GE(other, 0);
   EXPECT_NE(flock(other, LOCK_EX | LOCK_NB), 0);
   close(other);
+  results.publish();
+  EXPECT_FALSE(fs::exists(folder_.path() / "out/.lock"));
 }
 
 // Somebody saved a file there while the run went on.
@@ -269,7 +272,7 @@ TEST_F(ResumedFolderTest, OfSeveralTheLatest) {
 
 TEST_F(ResumedFolderTest, NotWhatAnotherProcessWorksIn) {
   write_left(kLeft, "front");
-  const int held = open((folder_.path() / kLeft).c_str(), O_RDONLY | O_DIRECTORY);
+  const int held = open((folder_.path() / kLeft / ".lock").c_str(), O_RDWR | O_CREAT, 0666);
   ASSERT_EQ(flock(held, LOCK_EX | LOCK_NB), 0);
   {
     ResultFolder results(out(), true);

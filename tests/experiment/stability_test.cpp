@@ -31,7 +31,7 @@ class StagedRun {
     const ImageTexts origin;
     const Setup setup{spec, plan, scene, context_, buffers, truths, pieces, origin};
     for (const ViewSpec& view : spec.views) run_view(setup, view);
-    const json results = join_pieces(spec, {{spec, plan}}, pieces);
+    const json results = join_pieces(record_of(spec, {{spec, plan}}), pieces);
     stability = results["stability"];
     std::map<std::string, json> runs;
     for (const json& run : results["runs"]) {

@@ -171,11 +171,133 @@ class Parts(unittest.TestCase):
         file.write_text(json.dumps(part | {"provenance": part["provenance"] | {"commit": "other"}}))
         self.assertIn("cannot be joined with parts/1-3: commit was", refused(*self.parts(3)))
         file.write_text(json.dumps(part))
+        for index in (1, 2, 3):
+            self.change_part(f"parts/{index}-3", lambda read: read["provenance"].update(program="f" * 40))
+        self.assertIn("was computed by another program, which alone can merge it: program was", refused(*self.parts(3)))
+        for index in (1, 2, 3):
+            self.change_part(f"parts/{index}-3", lambda read: read["provenance"].update(program=part["provenance"]["program"]))
+        file.write_text(json.dumps(part))
         lost = self.folder / "parts/2-3/pieces" / (part["pieces"][0] + ".json")
         lost.rename(self.folder / "lost.json")
-        self.assertIn(f"{part['pieces'][0]}.json: this piece of part 2/3 is missing", refused(*self.parts(3)))
+        self.assertIn(f"{part['pieces'][0]}.json: this file of part 2/3 is missing", refused(*self.parts(3)))
+        (self.folder / "lost.json").rename(lost)
+        picture = next((self.folder / "parts/2-3/maps").glob("*.exr"))
+        picture.write_bytes(picture.read_bytes()[:-1])
+        self.assertIn(f"{picture.name}: is not the file that part.json says", refused(*self.parts(3)))
         file.write_text("{}")
         self.assertIn("part.json: is not what `run --part` writes", refused(*self.parts(3)))
+
+    def change_part(self, part, change):
+        file = self.folder / part / "part.json"
+        read = json.loads(file.read_text())
+        change(read)
+        file.write_text(json.dumps(read))
+
+    def test_parts_are_merged_without_the_experiments_files(self):
+        # What results say of a file, of a bound's place and of a sweep over files is what the run would say.
+        fit = ["fit", "--profile", "classical-dipole", "--material", "skin1", "--out"]
+        for gaussians, name in (("1", "one.json"), ("2", "two.json")):
+            made = self.truescatter(*fit, name, "--gaussians", gaussians)
+            self.assertEqual(made.returncode, 0, made.stderr)
+        profile = """[[profile]]
+name = "fitted"
+r_max_mm = 6.0
+fit.file = "one.json"
+of = {model = "classical-dipole", material = "skin1"}
+[[threshold]]
+method = "none"
+metric = "rel_rmse"
+maximum = 1e-4
+[[method]]
+name = "none"
+"""
+        text = EXPERIMENT.replace('[[method]]\nname = "none"\n', profile)
+        sweep = text[text.index("[sweep]"):text.index("[timing]")]
+        self.write(text.replace(sweep, '[sweep]\nkey = "profile.fitted.fit.file"\nvalues = ["one.json", "two.json"]\n'
+                                       "axis_values = [1, 2]\n"))
+        whole = self.truescatter("run", "e.toml", "--out", "whole", "--no-cache")
+        self.assertEqual(whole.returncode, 1, whole.stderr)
+        for index in (1, 2, 3):
+            self.run_part(f"{index}/3")
+        # The resolved experiment names files from wherever it is read.
+        again = self.truescatter("run", "parts/1-3/experiment.resolved.toml", "--dry-run")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        for name in ("e.toml", "one.json", "two.json"):
+            (self.folder / name).unlink()
+        merged = self.merge(*self.parts(3))
+        self.assertEqual(merged.returncode, 1, merged.stderr)
+        self.assertEqual([line for line in merged.stderr.splitlines() if line.startswith("exceeded")],
+                         [line for line in whole.stderr.splitlines() if line.startswith("exceeded")])
+        compared = subprocess.run([ROOT / "scripts/same-results", self.folder / "whole", self.folder / "merged"],
+                                  capture_output=True, text=True)
+        self.assertEqual(compared.stdout + compared.stderr, "")
+
+    def test_times_of_several_machines_are_in_no_chart(self):
+        for index in (1, 2):
+            self.run_part(f"{index}/2", "--whole-node")
+        self.assertEqual(self.merge(*self.parts(2)).returncode, 0)
+        results = json.loads((self.folder / "merged/results.json").read_text())
+        self.assertNotIn("machines", results["provenance"])
+        self.assertEqual([run for run in results["runs"] if run["cost"]["frame_ms"].get("shared")], [])
+
+        def elsewhere(part):
+            part["provenance"]["machine"]["cores"] += 1
+            part["provenance"]["rasteriser_threads"] += 1
+
+        self.change_part("parts/2-2", elsewhere)
+        self.assertEqual(self.merge(*self.parts(2)).returncode, 0)
+        results = json.loads((self.folder / "merged/results.json").read_text())
+        self.assertEqual(len(results["provenance"]["machines"]), 2)
+        self.assertEqual([run for run in results["runs"] if not run["cost"]["frame_ms"].get("shared")], [])
+
+    def test_a_part_goes_on_elsewhere_and_begins_again_when_it_is_of_something_else(self):
+        def kill():
+            with self.start("1/1") as process:
+                while process.poll() is None and not list(self.folder.glob("parts/.1-1.*.part/pieces/[!.k]*.json")):
+                    time.sleep(0.001)
+                process.send_signal(signal.SIGKILL)
+            return next(self.folder.glob("parts/.1-1.*.part/pieces/key.json"))
+
+        key = kill()
+        before = json.loads(key.read_text())
+        before["machine"]["cores"] += 1
+        key.write_text(json.dumps(before))
+        self.assertIn("pieces are finished", self.run_part("1/1", "--resume"))
+        self.assertEqual(self.merge("parts/1-1").returncode, 0)
+        results = json.loads((self.folder / "merged/results.json").read_text())
+        self.assertEqual(len(results["provenance"]["machines"]), 2)
+        shutil.rmtree(self.folder / "parts")
+        kill()
+        self.write(EXPERIMENT.replace("repeats = 1", "repeats = 2"))
+        self.assertIn("what was cut off is of something else (experiment was", self.run_part("1/1", "--resume"))
+
+    def test_a_part_is_finished_when_it_is_what_is_asked_for(self):
+        def again(*arguments):
+            return self.run_part("1/2", "--resume", *arguments)
+
+        again()
+        self.assertIn("part 1/2 is finished already", again())
+        self.assertNotIn("finished already", again("--whole-node"))
+        self.assertNotIn("finished already", again("--whole-node", "--buffers"))
+        self.assertIn("finished already", again("--whole-node", "--buffers"))
+        next((self.folder / "parts/1-2/maps").glob("*.exr")).unlink()
+        self.assertNotIn("finished already", again("--whole-node", "--buffers"))
+        self.change_part("parts/1-2", lambda read: read.pop("files"))
+        self.assertIn("computing the part again", again("--whole-node", "--buffers"))
+
+    def test_nothing_finished_is_overwritten(self):
+        self.run_part("1/1")
+        for out in ("parts/1-1", "parts/1-1/inner", "parts"):
+            refused = self.truescatter("merge", "parts/1-1", "--out", out)
+            self.assertEqual(refused.returncode, 2, out)
+            self.assertIn("is, holds or lies in parts/1-1, a part that is to be merged", refused.stderr)
+        whole = self.truescatter("run", "e.toml", "--out", "parts/1-1")
+        self.assertEqual(whole.returncode, 2)
+        self.assertIn("parts/1-1: holds a part of an experiment, which a whole result does not replace", whole.stderr)
+        self.assertEqual(self.merge("parts/1-1").returncode, 0)
+        part = self.truescatter("run", "e.toml", "--part", "1/2", "--out", "merged")
+        self.assertEqual(part.returncode, 2)
+        self.assertIn("merged: holds a whole result, which a part does not replace", part.stderr)
 
     def test_no_part_is_refused(self):
         for part in ("0/3", "4/3", "3", "a/b", "1/0", "-1/2"):

@@ -183,6 +183,7 @@ const COLUMNS = [
     unit: "ms",
     get: cost("frame_ms.median"),
     paid: true,
+    ranks: !timesShared,
     spread: true,
     help: "frame_ms: every pass that the method adds to the shared G-buffer; median [least..most]"
   },
@@ -192,6 +193,7 @@ const COLUMNS = [
     unit: "ms",
     get: cost("setup_ms"),
     paid: true,
+    ranks: !timesShared,
     help: "setup_ms: once, not per frame"
   },
   {
