@@ -187,8 +187,9 @@ int dry_run(const ExperimentSpec& spec, const RunOptions& options, const std::fi
   const std::vector<ScenePlan> scenes = scene_plans(points, plans);
   check_destination(folder);
   check_kind_of_result(folder, options.part.has_value());
-  fmt::print("{}{}output {}: {}\n", text, describe_pieces(scenes, options.part, folder), folder.string(),
-             std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
+  const bool finished = options.part && is_finished_part(folder, request_of(options), spec);
+  fmt::print("{}{}output {}: {}\n", text, describe_pieces(spec, scenes, options.part, finished, folder),
+             folder.string(), std::filesystem::exists(folder) ? "replaces what is there" : "a new folder");
   return 0;
 }
 

@@ -30,11 +30,13 @@ class CachedSource : public LayerSource {
   }
   bool are_kept(std::span<const TruthLayer> layers) const override {
     for (std::size_t l = 0; l < layers.size(); ++l) {
-      if (!cache_.has(key_of(layers, l))) return false;
+      if (!cache_.has(key_of(layers, l), point_count())) return false;
     }
     return true;
   }
-  CacheClaim claim() const override { return cache_.claim(content_key_); }
+  CacheClaim claim(std::size_t layers) const override {
+    return cache_.claim(content_key_, layers, point_count());
+  }
   TruthValues audit_values(std::span<const std::uint32_t> chosen,
                            std::span<const TruthLayer> layers) const override {
     return source_->audit_values(chosen, layers);

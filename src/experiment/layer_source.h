@@ -66,7 +66,7 @@ class LayerSource {
   // Whether all of these layers are kept; if not, what is to be held until they are, so that no other process
   // computes them too.
   virtual bool are_kept(std::span<const TruthLayer> /*layers*/) const { return true; }
-  virtual CacheClaim claim() const { return {}; }
+  virtual CacheClaim claim(std::size_t /*layers*/) const { return {}; }
 };
 
 // Each layer by itself: the engine shares nothing between layers. `largest_irradiance`: of the scene. A

@@ -95,6 +95,28 @@ std::string duration_text(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600.0);
 }
 
+// What a result is of, whatever it was computed on.
+json subject_of(const ExperimentSpec& experiment) {
+  json subject = program_provenance();
+  subject["experiment"] = experiment_hash(experiment);
+  subject["inputs"] = input_hashes(experiment);
+  return subject;
+}
+
+// The entries of a key that `like` has.
+json entries_like(const json& like, const json& key) {
+  json entries = json::object();
+  for (const auto& [name, value] : like.items()) entries[name] = key.value(name, json());
+  return entries;
+}
+
+// Whether pieces in this folder are of this program, experiment and inputs.
+bool is_of(const fs::path& pieces, const ExperimentSpec& experiment) {
+  const json key = json::parse(read_text_file(pieces / PieceStore::kKeyFile), nullptr, false);
+  const json subject = subject_of(experiment);
+  return key.is_object() && entries_like(subject, key) == subject;
+}
+
 std::string names_of(const std::vector<int>& parts) {
   return fmt::format("part{} {}", parts.size() == 1 ? "" : "s", fmt::join(parts, ", "));
 }
@@ -152,10 +174,18 @@ std::set<std::string> pieces_elsewhere(const std::vector<ScenePlan>& scenes, con
   return ids_where(scenes, part, false);
 }
 
-std::string describe_pieces(const std::vector<ScenePlan>& scenes, const std::optional<ExperimentPart>& part,
+std::string describe_pieces(const ExperimentSpec& experiment, const std::vector<ScenePlan>& scenes,
+                            const std::optional<ExperimentPart>& part, bool finished,
                             const fs::path& destination) {
   const std::set<std::string> own = part ? pieces_of_part(scenes, *part) : std::set<std::string>();
-  const fs::path kept = pieces_left_for(destination);
+  const fs::path left = pieces_left_for(destination);
+  const bool usable = !left.empty() && is_of(left, experiment);
+  const auto reason = [&](const Piece& piece) {
+    if (finished) return "finished in the part that is there, --resume leaves it";
+    if (left.empty() || !fs::exists(left / (piece.id() + ".json"))) return "nothing of it is kept";
+    return usable ? "finished by a run that was cut off, --resume takes it over"
+                  : "finished by a run of another program, experiment or input, which --resume cannot use";
+  };
   std::string text;
   double own_s = 0.0;
   double all_s = 0.0;
@@ -165,10 +195,7 @@ std::string describe_pieces(const std::vector<ScenePlan>& scenes, const std::opt
       all_s += cost_s;
       if (part && own.count(piece.id()) == 0) continue;
       own_s += cost_s;
-      const bool finished = !kept.empty() && fs::exists(kept / (piece.id() + ".json"));
-      text += fmt::format(
-          "piece {}: about {}; {}\n", piece.id(), duration_text(cost_s),
-          finished ? "finished by a run that was cut off, --resume takes it over" : "nothing of it is kept");
+      text += fmt::format("piece {}: about {}; {}\n", piece.id(), duration_text(cost_s), reason(piece));
     }
   }
   text += fmt::format("pieces: about {}{}, and what their scenes and truths share\n", duration_text(own_s),
@@ -253,19 +280,15 @@ json with_machines_of(const json& key, const json& other) {
 
 bool is_finished_part(const fs::path& folder, const PartRequest& request, const ExperimentSpec& spec) {
   if (!fs::exists(folder / kPartFile)) return false;
-  json now = program_provenance();
-  now["experiment"] = experiment_hash(spec);
-  now["inputs"] = input_hashes(spec);
+  json now = subject_of(spec);
   now["exports"] = request.exports;
   now["gl_context"] = request.gl_context;
   now["times_shared"] = request.times_shared;
   try {
     const PartResult there = read_part(folder);
-    json before = json::object();
-    for (const auto& [key, value] : now.items()) before[key] = there.key.value(key, json());
     const bool complete = std::all_of(there.files.begin(), there.files.end(),
                                       [&](const auto& file) { return fs::exists(folder / file.first); });
-    return complete && there.part == request.part && before == now;
+    return complete && there.part == request.part && entries_like(now, there.key) == now;
   } catch (const Error& error) {
     fmt::print(stderr, "note: {}; computing the part again\n", error.what());
     return false;

@@ -33,9 +33,10 @@ std::set<std::string> pieces_of_part(const std::vector<ScenePlan>& scenes, const
 std::set<std::string> pieces_elsewhere(const std::vector<ScenePlan>& scenes, const ExperimentPart& part);
 
 // For --dry-run: each piece, about what it costs, and why it would run: nothing of it is kept, or a run into
-// `destination` that was cut off has finished it, which --resume takes over. Of a part: its pieces alone, and
-// what the others have.
-std::string describe_pieces(const std::vector<ScenePlan>& scenes, const std::optional<ExperimentPart>& part,
+// `destination` that was cut off has finished it, which --resume takes over if it is of the same program,
+// experiment and inputs. Of a part: its pieces alone, and what the others have; `finished`: it is done.
+std::string describe_pieces(const ExperimentSpec& experiment, const std::vector<ScenePlan>& scenes,
+                            const std::optional<ExperimentPart>& part, bool finished,
                             const std::filesystem::path& destination);
 
 // A part's result is a folder with its pieces and maps, and part.json, which says of which part and under

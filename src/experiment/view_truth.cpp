@@ -138,10 +138,13 @@ ViewTruth::Wanted ViewTruth::wanted_layers(const std::vector<Request>& requests)
 
 CacheClaim ViewTruth::claim_of(const Wanted& wanted,
                                const std::vector<std::unique_ptr<LayerSource>>& sources) {
+  std::size_t layers = 0;
+  bool kept = true;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    if (!sources[k]->are_kept(wanted[k].second)) return sources.front()->claim();
+    layers += wanted[k].second.size();
+    kept = kept && sources[k]->are_kept(wanted[k].second);
   }
-  return {};
+  return kept ? CacheClaim() : sources.front()->claim(layers);
 }
 
 void ViewTruth::compute(const std::vector<Request>& requests, const TruthSpec& spec,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -19,20 +20,22 @@ struct CachedLayer {
 };
 
 // The right to compute what a cache lacks: while it lives, others who claim the same wait. The system takes
-// it back from a process that dies.
+// it back from a process that dies; one that is stopped shows no sign of life, and is not waited for.
 class CacheClaim {
  public:
-  CacheClaim() = default;  // to nothing
+  CacheClaim() noexcept;  // to nothing
   CacheClaim(CacheClaim&& other) noexcept;
   CacheClaim& operator=(CacheClaim&& other) noexcept;
   ~CacheClaim();
 
  private:
   friend class TruthCache;
-  CacheClaim(int descriptor, std::filesystem::path file) : descriptor_(descriptor), file_(std::move(file)) {}
+  class Sign;  // of life
+  CacheClaim(int descriptor, std::filesystem::path file);
 
   int descriptor_ = -1;
   std::filesystem::path file_;
+  std::unique_ptr<Sign> sign_;
 };
 
 // Layers of truths on disk, one file for each, named by a hash of all that the values depend on. Several
@@ -41,23 +44,28 @@ class CacheClaim {
 // is said on standard error. No failure of the cache is a failure of a run: it is said once, and computing
 // goes on.
 //
-// The folder holds at most `limit_bytes`: what was used least recently goes first. Temporaries of processes
-// that died, an hour old or older, are removed as others write.
+// The folder holds at most `limit_bytes`: what was used least recently goes first. Temporaries and claims of
+// processes that died, an hour old or older, are removed as others write.
 class TruthCache {
  public:
-  TruthCache(std::filesystem::path folder, std::uintmax_t limit_bytes);
+  // How long a process that has claimed something may show no sign of life: it shows one every five seconds.
+  static constexpr std::chrono::milliseconds kPatience = std::chrono::minutes(1);
+
+  TruthCache(std::filesystem::path folder, std::uintmax_t limit_bytes,
+             std::chrono::milliseconds patience = kPatience);
 
   // The layer of this key (hexadecimal digits), which must have this many points; nothing if it is not there.
   std::optional<CachedLayer> find(const std::string& key, std::size_t points);
   void store(const std::string& key, const CachedLayer& layer);
   void forget(const std::string& key);
-  // Whether a layer of this key is there, whole or damaged.
-  bool has(const std::string& key) const;
+  // Whether a layer of this key and this many points is there, whole.
+  bool has(const std::string& key, std::size_t points) const;
 
   // Waits, with a note on standard error, for the process that has claimed this, if one has; who asks for the
-  // same layers looks for them again then. A file system without locks (flock) gives all of them their claim
-  // at once: work is done twice, and nothing is lost.
-  CacheClaim claim(const std::string& key);
+  // same layers looks for them again then. `layers` of this many points are what is to be computed: more than
+  // the folder may hold nobody would find, so nobody waits for them. A file system without locks (flock)
+  // gives all of them their claim at once: work is done twice, and nothing is lost.
+  CacheClaim claim(const std::string& key, std::size_t layers, std::size_t points);
 
   const std::filesystem::path& folder() const { return folder_; }
   // How many layers were found, and how many stored, as long as this object lives.
@@ -66,6 +74,7 @@ class TruthCache {
 
  private:
   std::filesystem::path file_of(const std::string& key) const;
+  std::optional<CachedLayer> read(const std::string& key, std::size_t points) const;
   bool write(const std::filesystem::path& file, const std::string& bytes);
   void give_up(const std::string& reason);
   void remove_stale_temporaries() const;
@@ -73,6 +82,7 @@ class TruthCache {
 
   std::filesystem::path folder_;
   std::uintmax_t limit_bytes_;
+  std::chrono::milliseconds patience_;
   bool writes_ = true;  // until a write fails
   std::size_t found_ = 0;
   std::size_t stored_ = 0;

@@ -24,6 +24,23 @@ EXPERIMENT = (ROOT / "tests/scripts/parts.toml").read_text()
 # A ladder out of a method's picture: what it needs stays together.
 WITH_PICTURES = EXPERIMENT.replace('truth = "cut"', 'method = "none"')
 
+# Runs a job at once, an array's tasks one after the other.
+SBATCH = """#!/usr/bin/env bash
+set -e
+script=$(mktemp)
+cat >"$script"
+for argument in "$@"; do
+  case $argument in
+    --array=1-*) count=${argument#--array=1-} ;;
+    --output=*) log=${argument#--output=} ;;
+  esac
+done
+printf '%s\\n' "$@" >>"$SBATCH_ARGUMENTS"
+for index in $(seq "${count:-1}"); do SLURM_ARRAY_TASK_ID=$index bash "$script" >"${log/\\%a/$index}" 2>&1; done
+rm "$script"
+echo 7
+"""
+
 
 class Parts(unittest.TestCase):
     def setUp(self):
@@ -132,6 +149,21 @@ class Parts(unittest.TestCase):
         self.assertEqual(computed, len(list((self.folder / "cache").glob("*.truth"))))
         self.assertEqual(list((self.folder / "cache").glob(".*.lock")), [])
         self.expect_the_same(8)
+
+    def test_damaged_truths_are_computed_once(self):
+        self.run_part("1/1")
+        kept = sorted((self.folder / "cache").glob("*.truth"))
+        for file in kept:
+            bytes_of = bytearray(file.read_bytes())
+            bytes_of[-1] ^= 1
+            file.write_bytes(bytes_of)
+        processes = [self.start(f"{index}/4") for index in range(1, 5)]
+        for process in processes:
+            said = process.communicate()[1]
+            self.assertEqual(process.returncode, 0, said)
+        computed = sum(json.loads((self.folder / part / "part.json").read_text())["truths"]["computed"]
+                       for part in self.parts(4))
+        self.assertEqual(computed, len(kept))
 
     def test_a_claim_of_a_process_that_died_holds_nobody_up(self):
         with self.start("1/1") as process:
@@ -268,14 +300,27 @@ name = "none"
         self.assertEqual(len(results["provenance"]["machines"]), 2)
         shutil.rmtree(self.folder / "parts")
         kill()
+
+        def said():
+            return self.truescatter("run", "e.toml", "--part", "1/1", "--dry-run", "--out", "parts/1-1").stdout
+
+        self.assertIn("finished by a run that was cut off, --resume takes it over", said())
         self.write(EXPERIMENT.replace("repeats = 1", "repeats = 2"))
+        self.assertIn("of another program, experiment or input, which --resume cannot use", said())
         self.assertIn("what was cut off is of something else (experiment was", self.run_part("1/1", "--resume"))
 
     def test_a_part_is_finished_when_it_is_what_is_asked_for(self):
         def again(*arguments):
             return self.run_part("1/2", "--resume", *arguments)
 
+        def said():
+            dry = self.truescatter("run", "e.toml", "--part", "1/2", "--dry-run", "--out", "parts/1-2")
+            self.assertEqual(dry.returncode, 0, dry.stderr)
+            return {line.split("; ")[1] for line in dry.stdout.splitlines() if line.startswith("piece ")}
+
+        self.assertEqual(said(), {"nothing of it is kept"})
         again()
+        self.assertEqual(said(), {"finished in the part that is there, --resume leaves it"})
         self.assertIn("part 1/2 is finished already", again())
         self.assertNotIn("finished already", again("--whole-node"))
         self.assertNotIn("finished already", again("--whole-node", "--buffers"))
@@ -298,6 +343,43 @@ name = "none"
         part = self.truescatter("run", "e.toml", "--part", "1/2", "--out", "merged")
         self.assertEqual(part.returncode, 2)
         self.assertIn("merged: holds a whole result, which a part does not replace", part.stderr)
+
+    def test_slurm_run_hands_on_what_it_is_given(self):
+        self.run_whole()
+        tools = self.folder / "tools"
+        tools.mkdir()
+        for name, text in (("sbatch", SBATCH), ("squeue", '#!/bin/sh\ncat "$SQUEUE"\n')):
+            (tools / name).write_text(text)
+            (tools / name).chmod(0o755)
+        (self.folder / "queue").write_text("")
+        environment = self.environment | {
+            "PATH": f"{tools}:{os.environ['PATH']}", "SLURM_CPUS_PER_TASK": "1", "SQUEUE": str(self.folder / "queue"),
+            "SBATCH_ARGUMENTS": str(self.folder / "arguments")}
+        command = [ROOT / "scripts/slurm-run", "e.toml", "2", "--out", "a result", "--program", PROGRAM, "--whole-node",
+                   "--sbatch", "--cpus-per-task=1", "--", "--jobs", "1"]
+
+        def submit():
+            return subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True)
+
+        done = submit()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f"truths: shared by {self.folder / 'cache'}", done.stdout)
+        arguments = (self.folder / "arguments").read_text().splitlines()
+        self.assertEqual(arguments.count("--exclusive"), 1)
+        self.assertEqual(arguments.count("--cpus-per-task=1"), 2)
+        compared = subprocess.run([ROOT / "scripts/same-results", self.folder / "whole", self.folder / "a result"],
+                                  capture_output=True, text=True)
+        self.assertEqual(compared.stdout + compared.stderr, "")
+        self.assertEqual(submit().returncode, 0)
+        self.assertIn("part 2/2 is finished already", (self.folder / "a result.parts/2.log").read_text())
+        # While the array is there, and where the result cannot be.
+        (self.folder / "queue").write_text("7 all tiny root R\n")
+        refused = submit()
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("job 7, which computes these parts, is still there", refused.stderr)
+        (self.folder / "queue").write_text("")
+        (self.folder / "a result/notes.txt").write_text("mine")
+        self.assertIn("holds 'notes.txt', which is no result of truescatter", submit().stderr)
 
     def test_no_part_is_refused(self):
         for part in ("0/3", "4/3", "3", "a/b", "1/0", "-1/2"):

@@ -1,7 +1,10 @@
 #include "truth/cache.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -135,6 +138,46 @@ TEST_F(TruthCacheTest, RemovesTemporariesOfTheDead) {
 }
 
 // A folder below a file cannot be made, whoever runs the test. It is said once.
+// A lock belongs to an open file, so another one of this process stands for another process: one that shows
+// no sign of life.
+TEST_F(TruthCacheTest, DoesNotWaitForAClaimWithoutASignOfLife) {
+  using std::chrono::milliseconds;
+  TruthCache cache(folder_.path(), kPlenty, milliseconds(200));
+  { const CacheClaim free = cache.claim(kKey, 1, 10); }
+  const fs::path lock = folder_.path() / ("." + kKey + ".lock");
+  EXPECT_FALSE(fs::exists(lock));
+  const int held = open(lock.c_str(), O_RDWR | O_CREAT, 0666);
+  ASSERT_EQ(flock(held, LOCK_EX | LOCK_NB), 0);
+  testing::internal::CaptureStderr();
+  const auto begin = std::chrono::steady_clock::now();
+  { const CacheClaim none = cache.claim(kKey, 1, 10); }
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(200));
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("shows no sign of life"), std::string::npos);
+  EXPECT_TRUE(fs::exists(lock));  // it is not its own to remove
+  // Of more than the cache may hold nobody would find anything.
+  { const CacheClaim unbounded = TruthCache(folder_.path(), 1000, milliseconds(100000)).claim(kKey, 1, 100); }
+  close(held);
+}
+
+TEST_F(TruthCacheTest, HasWhatIsWholeAlone) {
+  EXPECT_FALSE(cache_.has(kKey, 7));
+  cache_.store(kKey, layer_of(7, 1));
+  EXPECT_TRUE(cache_.has(kKey, 7));
+  EXPECT_FALSE(cache_.has(kKey, 8));
+  std::string bytes = read_text_file(file());
+  bytes.back() ^= 1;
+  write_text_file(file(), bytes);
+  EXPECT_FALSE(cache_.has(kKey, 7));
+  EXPECT_TRUE(fs::exists(file()));
+}
+
+TEST_F(TruthCacheTest, LetsOthersReadAsTheUmaskHasIt) {
+  const mode_t before = umask(0027);
+  cache_.store(kKey, layer_of(7, 1));
+  umask(before);
+  EXPECT_EQ(fs::status(file()).permissions(), fs::perms(0640));
+}
+
 TEST_F(TruthCacheTest, WarnsOnceWhereItCannotWrite) {
   const fs::path below = folder_.write("a-file", "") / "cache";
   TruthCache cache(below, kPlenty);
