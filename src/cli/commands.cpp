@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -152,15 +151,8 @@ PartRequest request_of(const RunOptions& options) {
 // A result replaces a folder as a whole.
 void refuse_part_as_destination(const std::filesystem::path& out,
                                 const std::vector<std::filesystem::path>& parts) {
-  const auto canonical = [](const std::filesystem::path& path) {
-    const std::filesystem::path whole = std::filesystem::weakly_canonical(path);
-    return whole.has_filename() ? whole : whole.parent_path();
-  };
-  const auto lies_in = [](const std::filesystem::path& inner, const std::filesystem::path& outer) {
-    return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
-  };
   for (const std::filesystem::path& part : parts) {
-    if (lies_in(canonical(out), canonical(part)) || lies_in(canonical(part), canonical(out)))
+    if (overlap(out, part))
       throw_input_error({out.string()}, "is, holds or lies in {}, a part that is to be merged",
                         part.string());
   }

@@ -10,23 +10,12 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/parallel.h"
-#include "experiment/provenance.h"
 
 namespace truescatter {
 namespace {
 
 using nlohmann::json;
 namespace fs = std::filesystem;
-
-// Another program would put its own name under what it did not compute.
-void check_program(const PartResult& part) {
-  json before = json::object();
-  const json now = program_provenance();
-  for (const auto& [key, value] : now.items()) before[key] = part.key.value(key, json());
-  if (const std::string difference = provenance_difference(before, now); !difference.empty())
-    throw_input_error({(part.folder / kPartFile).string()},
-                      "was computed by another program, which alone can merge it: {}", difference);
-}
 
 // That the parts have the pieces of the experiment, each once.
 void check_pieces(const std::vector<PartResult>& parts) {
@@ -82,7 +71,6 @@ void copy_files(const fs::path& from, const fs::path& to) {
 }  // namespace
 
 RunOutcome merge_parts(const std::vector<PartResult>& parts, const fs::path& folder) {
-  for (const PartResult& part : parts) check_program(part);
   check_pieces(parts);
   for (const PartResult& part : parts) check_files(part);
 

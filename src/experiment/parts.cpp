@@ -133,6 +133,15 @@ void check_same(const PartResult& first, const PartResult& other) {
   }
 }
 
+// Another program would put its own name under what it did not compute.
+void check_program(const PartResult& part) {
+  const json now = program_provenance();
+  if (const std::string difference = provenance_difference(entries_like(now, part.key), now);
+      !difference.empty())
+    throw_input_error({(part.folder / kPartFile).string()},
+                      "was computed by another program, which alone can merge it: {}", difference);
+}
+
 void check_complete(const std::vector<PartResult>& parts) {
   std::vector<int> missing;
   for (int index = 1; index <= parts.front().part.count; ++index) {
@@ -247,6 +256,7 @@ std::vector<PartResult> read_parts(const std::vector<fs::path>& folders) {
   for (const fs::path& folder : folders) parts.push_back(read_part(folder));
   for (const PartResult& part : parts) check_same(parts.front(), part);
   check_complete(parts);
+  check_program(parts.front());  // the others are of the same
   std::sort(parts.begin(), parts.end(),
             [](const PartResult& a, const PartResult& b) { return a.part.index < b.part.index; });
   return parts;

@@ -66,8 +66,8 @@ struct PartResult {
 PartResult read_part(const std::filesystem::path& folder);
 
 // The parts of one experiment, in their order. Throws Error (input) that names folders and parts where one is
-// missing or there twice, or where they were computed by another program, of another experiment or of other
-// inputs. Machines may differ, renderers may not.
+// missing or there twice, or where they were computed by another program than each other's or this one, of
+// another experiment or of other inputs. Machines may differ, renderers may not.
 std::vector<PartResult> read_parts(const std::vector<std::filesystem::path>& folders);
 
 // Why what was computed under `before` cannot be joined with what is computed under `now`; empty: it can.

@@ -230,6 +230,10 @@ void check_destination(const fs::path& destination) {
   }
 }
 
+bool overlap(const fs::path& a, const fs::path& b) {
+  return holds(resolved(a), resolved(b)) || holds(resolved(b), resolved(a));
+}
+
 void discard_leftovers(const fs::path& destination) {
   for (const Leftover& left : leftovers_of(resolved(destination))) {
     std::error_code failure;

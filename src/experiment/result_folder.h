@@ -10,6 +10,9 @@ namespace truescatter {
 // does not write. Writes nothing.
 void check_destination(const std::filesystem::path& destination);
 
+// Whether one of two folders is the other or lies in it, links followed.
+bool overlap(const std::filesystem::path& a, const std::filesystem::path& b);
+
 // Removes what runs into `destination` that were cut off have left beside it: of results that nobody will go
 // on from.
 void discard_leftovers(const std::filesystem::path& destination);

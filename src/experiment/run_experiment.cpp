@@ -138,29 +138,28 @@ json start_anew(PieceStore& pieces, const json& key) {
   return key;
 }
 
-// The pieces that a run goes on from; none, unless that is asked for. Returns what they belong to.
-json start_pieces(PieceStore& pieces, const json& key, bool resume) {
-  const std::optional<json> before = pieces.key();
-  if (!resume || !before) return start_anew(pieces, key);
-  if (const std::string difference = provenance_difference(*before, key); !difference.empty())
-    throw_input_error({}, "the run that was cut off cannot be resumed: {}; without --resume it starts anew",
-                      difference);
-  return *before;
-}
-
-// The same of a part, which a scheduler may begin again on another machine, and with the same command after
-// the experiment has changed.
-json start_part(PieceStore& pieces, const json& key, bool resume) {
-  const std::optional<json> before = pieces.key();
-  if (!resume || !before) return start_anew(pieces, key);
-  if (const std::string difference = part_difference(*before, key); !difference.empty()) {
+// What a part goes on from: a scheduler may begin it again on another machine, and with the same command
+// after the experiment has changed.
+json resume_part(PieceStore& pieces, const json& before, const json& key) {
+  if (const std::string difference = part_difference(before, key); !difference.empty()) {
     fmt::print(stderr, "note: what was cut off is of something else ({}); starting from the beginning\n",
                difference);
     return start_anew(pieces, key);
   }
-  const json joined = with_machines_of(*before, key);
+  const json joined = with_machines_of(before, key);
   pieces.set_key(joined);
   return joined;
+}
+
+// The pieces that a run goes on from; none, unless that is asked for. Returns what they belong to.
+json start_pieces(PieceStore& pieces, const json& key, const RunOptions& options) {
+  const std::optional<json> before = pieces.key();
+  if (!options.resume || !before) return start_anew(pieces, key);
+  if (options.part) return resume_part(pieces, *before, key);
+  if (const std::string difference = provenance_difference(*before, key); !difference.empty())
+    throw_input_error({}, "the run that was cut off cannot be resumed: {}; without --resume it starts anew",
+                      difference);
+  return *before;
 }
 
 }  // namespace
@@ -186,9 +185,7 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   if (!passes.empty()) make_folder(passes);
 
   PieceStore pieces(folder, options.part ? pieces_elsewhere(scenes, *options.part) : std::set<std::string>());
-  const json now = key_of(context, spec, options);
-  const json key =
-      options.part ? start_part(pieces, now, options.resume) : start_pieces(pieces, now, options.resume);
+  const json key = start_pieces(pieces, key_of(context, spec, options), options);
   say_finished(scenes, pieces);
   const ImageTexts origin = picture_origin(key);
   std::optional<Compositor> compositor;

@@ -77,10 +77,31 @@ class Parts(unittest.TestCase):
         merged = self.merge(*reversed(self.parts(count)))
         self.assertEqual(merged.returncode, 0, merged.stderr)
         self.assertEqual(merged.stdout, "merged/report.html\n")
-        compared = subprocess.run([ROOT / "scripts/same-results", self.folder / "whole", self.folder / "merged"],
+        self.expect_whole("merged")
+
+    def expect_whole(self, result):
+        compared = subprocess.run([ROOT / "scripts/same-results", self.folder / "whole", self.folder / result],
                                   capture_output=True, text=True)
-        self.assertEqual(compared.stdout, "")
-        self.assertEqual(compared.returncode, 0, compared.stderr)
+        self.assertEqual(compared.stdout + compared.stderr, "")
+        self.assertEqual(compared.returncode, 0)
+
+    def run_at_once(self, count):
+        """All parts side by side; how many truths they computed."""
+        for process in [self.start(f"{index}/{count}") for index in range(1, count + 1)]:
+            said = process.communicate()[1]
+            self.assertEqual(process.returncode, 0, said)
+        return sum(json.loads((self.folder / part / "part.json").read_text())["truths"]["computed"]
+                   for part in self.parts(count))
+
+    def kill_at_a_piece(self, part):
+        """Ends a part when its first piece is finished; returns the folder of what it leaves."""
+        pieces = f"parts/.{part.replace('/', '-')}.*.part/pieces"
+        with self.start(part) as process:
+            while process.poll() is None and not list(self.folder.glob(f"{pieces}/[!.k]*.json")):
+                time.sleep(0.001)
+            process.send_signal(signal.SIGKILL)
+        self.assertEqual(process.returncode, -signal.SIGKILL)
+        return next(self.folder.glob(pieces))
 
     def run_whole(self, *arguments):
         whole = self.truescatter("run", "e.toml", "--out", "whole", "--no-cache", *arguments)
@@ -128,11 +149,7 @@ class Parts(unittest.TestCase):
         self.run_whole()
         for index in range(1, 4):
             part = f"{index}/3"
-            with self.start(part) as process:
-                while process.poll() is None and len(list(self.folder.glob(f"parts/.{index}-3.*.part/pieces/[!.k]*.json"))) < 1:
-                    time.sleep(0.001)
-                process.send_signal(signal.SIGKILL)
-            self.assertEqual(process.returncode, -signal.SIGKILL)
+            self.kill_at_a_piece(part)
             self.assertIn("pieces are finished", self.run_part(part, "--resume"))
         self.expect_the_same(3)
         # What is finished is not done again.
@@ -140,12 +157,7 @@ class Parts(unittest.TestCase):
 
     def test_eight_at_once_compute_each_truth_once(self):
         self.run_whole()
-        processes = [self.start(f"{index}/8") for index in range(1, 9)]
-        for process in processes:
-            said = process.communicate()[1]
-            self.assertEqual(process.returncode, 0, said)
-        computed = sum(json.loads((self.folder / part / "part.json").read_text())["truths"]["computed"]
-                       for part in self.parts(8))
+        computed = self.run_at_once(8)
         self.assertEqual(computed, len(list((self.folder / "cache").glob("*.truth"))))
         self.assertEqual(list((self.folder / "cache").glob(".*.lock")), [])
         self.expect_the_same(8)
@@ -157,13 +169,7 @@ class Parts(unittest.TestCase):
             bytes_of = bytearray(file.read_bytes())
             bytes_of[-1] ^= 1
             file.write_bytes(bytes_of)
-        processes = [self.start(f"{index}/4") for index in range(1, 5)]
-        for process in processes:
-            said = process.communicate()[1]
-            self.assertEqual(process.returncode, 0, said)
-        computed = sum(json.loads((self.folder / part / "part.json").read_text())["truths"]["computed"]
-                       for part in self.parts(4))
-        self.assertEqual(computed, len(kept))
+        self.assertEqual(self.run_at_once(4), len(kept))
 
     def test_a_claim_of_a_process_that_died_holds_nobody_up(self):
         with self.start("1/1") as process:
@@ -260,9 +266,7 @@ name = "none"
         self.assertEqual(merged.returncode, 1, merged.stderr)
         self.assertEqual([line for line in merged.stderr.splitlines() if line.startswith("exceeded")],
                          [line for line in whole.stderr.splitlines() if line.startswith("exceeded")])
-        compared = subprocess.run([ROOT / "scripts/same-results", self.folder / "whole", self.folder / "merged"],
-                                  capture_output=True, text=True)
-        self.assertEqual(compared.stdout + compared.stderr, "")
+        self.expect_whole("merged")
 
     def test_times_of_several_machines_are_in_no_chart(self):
         for index in (1, 2):
@@ -283,14 +287,7 @@ name = "none"
         self.assertEqual([run for run in results["runs"] if not run["cost"]["frame_ms"].get("shared")], [])
 
     def test_a_part_goes_on_elsewhere_and_begins_again_when_it_is_of_something_else(self):
-        def kill():
-            with self.start("1/1") as process:
-                while process.poll() is None and not list(self.folder.glob("parts/.1-1.*.part/pieces/[!.k]*.json")):
-                    time.sleep(0.001)
-                process.send_signal(signal.SIGKILL)
-            return next(self.folder.glob("parts/.1-1.*.part/pieces/key.json"))
-
-        key = kill()
+        key = self.kill_at_a_piece("1/1") / "key.json"
         before = json.loads(key.read_text())
         before["machine"]["cores"] += 1
         key.write_text(json.dumps(before))
@@ -299,7 +296,7 @@ name = "none"
         results = json.loads((self.folder / "merged/results.json").read_text())
         self.assertEqual(len(results["provenance"]["machines"]), 2)
         shutil.rmtree(self.folder / "parts")
-        kill()
+        self.kill_at_a_piece("1/1")
 
         def said():
             return self.truescatter("run", "e.toml", "--part", "1/1", "--dry-run", "--out", "parts/1-1").stdout
@@ -367,9 +364,7 @@ name = "none"
         arguments = (self.folder / "arguments").read_text().splitlines()
         self.assertEqual(arguments.count("--exclusive"), 1)
         self.assertEqual(arguments.count("--cpus-per-task=1"), 2)
-        compared = subprocess.run([ROOT / "scripts/same-results", self.folder / "whole", self.folder / "a result"],
-                                  capture_output=True, text=True)
-        self.assertEqual(compared.stdout + compared.stderr, "")
+        self.expect_whole("a result")
         self.assertEqual(submit().returncode, 0)
         self.assertIn("part 2/2 is finished already", (self.folder / "a result.parts/2.log").read_text())
         # While the array is there, and where the result cannot be.
