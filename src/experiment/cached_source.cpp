@@ -15,8 +15,11 @@ void append(ContentHash& hash, const TruthLayer& layer) {
 
 class CachedSource : public LayerSource {
  public:
-  CachedSource(std::unique_ptr<LayerSource> source, TruthCache& cache)
-      : source_(std::move(source)), cache_(cache), content_key_(source_->content_key()) {}
+  CachedSource(std::unique_ptr<LayerSource> source, TruthCache& cache, SharedValues shared)
+      : source_(std::move(source)),
+        cache_(cache),
+        shared_(std::move(shared)),
+        content_key_(source_->content_key()) {}
 
   std::vector<ComputedLayer> compute(std::span<const TruthLayer> layers,
                                      const std::function<void(std::size_t)>& advance) const override {
@@ -39,7 +42,8 @@ class CachedSource : public LayerSource {
   }
   TruthValues audit_values(std::span<const std::uint32_t> chosen,
                            std::span<const TruthLayer> layers) const override {
-    return source_->audit_values(chosen, layers);
+    return shared_.truth_values(audit_content(chosen, layers), layers.size(), chosen.size(),
+                                [&] { return source_->audit_values(chosen, layers); });
   }
   double tail_bound() const override { return source_->tail_bound(); }
   double largest_irradiance() const override { return source_->largest_irradiance(); }
@@ -55,6 +59,15 @@ class CachedSource : public LayerSource {
     if (computes_together()) {
       for (const TruthLayer& layer : layers) append(hash, layer);
     }
+    return hash.hex();
+  }
+
+  std::string audit_content(std::span<const std::uint32_t> chosen, std::span<const TruthLayer> layers) const {
+    ContentHash hash;
+    hash.append(std::string("exact"));
+    hash.append(content_key_);
+    for (const std::uint32_t point : chosen) hash.append(point);
+    for (const TruthLayer& layer : layers) append(hash, layer);
     return hash.hex();
   }
 
@@ -92,13 +105,15 @@ class CachedSource : public LayerSource {
 
   std::unique_ptr<LayerSource> source_;
   TruthCache& cache_;
+  SharedValues shared_;
   std::string content_key_;
 };
 
 }  // namespace
 
-std::unique_ptr<LayerSource> cached_source(std::unique_ptr<LayerSource> source, TruthCache& cache) {
-  return std::make_unique<CachedSource>(std::move(source), cache);
+std::unique_ptr<LayerSource> cached_source(std::unique_ptr<LayerSource> source, TruthCache& cache,
+                                           SharedValues shared) {
+  return std::make_unique<CachedSource>(std::move(source), cache, std::move(shared));
 }
 
 }  // namespace truescatter

@@ -3,7 +3,6 @@
 #include <cassert>
 #include <utility>
 
-#include "core/content_hash.h"
 #include "core/stopwatch.h"
 #include "truth/audit.h"
 #include "truth/exact.h"
@@ -117,41 +116,46 @@ class GeodesicSource : public LayerSource {
   std::string content_key() const override {
     ContentHash hash;
     append_engine(hash, "geodesic", kGeodesicFastEngineVersion, engine_.tolerance());
-    append_surface(hash);
-    hash.append(points_.size());
-    for (const GeodesicTarget& target : points_.on_mesh) {
-      hash.append(target.point.face);
-      hash.append(target.point.barycentric);
-      hash.append(target.component);
-    }
+    append_content(hash, surface_, points_.on_mesh);
     return hash.hex();
   }
 
  private:
-  void append_surface(ContentHash& hash) const {
-    const IntrinsicMesh& mesh = surface_.mesh();
-    hash.append(mesh.face_count());
-    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-      for (int j = 0; j < 3; ++j) {
-        hash.append(mesh.corner(f, j));
-        hash.append(mesh.corner_angle(f, j));
-        hash.append(mesh.vertex(f, j));
-      }
-      hash.append(surface_.pieces(f).size());
-      for (const FlatPiece& piece : surface_.pieces(f)) {
-        for (const Vec2d& corner : piece.corners_mm) hash.append(corner);
-        for (const Vec3d& value : piece.irradiance) hash.append(value);
-        hash.append(piece.component);
-      }
-    }
-  }
-
   const GeodesicSurface& surface_;
   GeodesicFastEngine engine_;
   const ViewPoints& points_;
 };
 
+void append_surface(ContentHash& hash, const GeodesicSurface& surface) {
+  const IntrinsicMesh& mesh = surface.mesh();
+  hash.append(mesh.face_count());
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    for (int j = 0; j < 3; ++j) {
+      hash.append(mesh.corner(f, j));
+      hash.append(mesh.corner_angle(f, j));
+      hash.append(mesh.vertex(f, j));
+    }
+    hash.append(surface.pieces(f).size());
+    for (const FlatPiece& piece : surface.pieces(f)) {
+      for (const Vec2d& corner : piece.corners_mm) hash.append(corner);
+      for (const Vec3d& value : piece.irradiance) hash.append(value);
+      hash.append(piece.component);
+    }
+  }
+}
+
 }  // namespace
+
+void append_content(ContentHash& hash, const GeodesicSurface& surface,
+                    std::span<const GeodesicTarget> targets) {
+  append_surface(hash, surface);
+  hash.append(targets.size());
+  for (const GeodesicTarget& target : targets) {
+    hash.append(target.point.face);
+    hash.append(target.point.barycentric);
+    hash.append(target.component);
+  }
+}
 
 LayerKind kind_of(const OwnTarget& target) {
   assert(!(target.geodesic && target.visible_only) && !target.transmittance);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/content_hash.h"
 #include "experiment/view_points.h"
 #include "methods/method.h"
 #include "truth/cache.h"
@@ -77,5 +78,9 @@ std::unique_ptr<LayerSource> euclidean_source(const Surface& surface, double tol
 // All layers at once, for they share the propagation; each reports an equal part of the seconds.
 std::unique_ptr<LayerSource> geodesic_source(const GeodesicSurface& surface, double tolerance,
                                              const ViewPoints& points);
+
+// What geodesic convolutions at these places depend on, but for engine and layers.
+void append_content(ContentHash& hash, const GeodesicSurface& surface,
+                    std::span<const GeodesicTarget> targets);
 
 }  // namespace truescatter

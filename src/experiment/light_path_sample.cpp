@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/stopwatch.h"
@@ -93,6 +94,11 @@ constexpr std::array<NamedPart, 5> kParts = {{
     {"beyond_r_max", [](const LightPaths& p) { return p.beyond; }},
 }};
 
+constexpr std::array<Vec4d LightPaths::*, 5> kFieldsOfPaths = {&LightPaths::transmittance, &LightPaths::air,
+                                                               &LightPaths::curvature, &LightPaths::beyond,
+                                                               &LightPaths::through};
+static_assert(sizeof(LightPaths) == kFieldsOfPaths.size() * sizeof(Vec4d));
+
 LightAtPoints part(const std::vector<GaussianLevel>& levels,
                    const std::vector<std::vector<LightPaths>>& split, std::size_t points, PartOfPaths of) {
   return weighted(levels, points, [&](std::size_t l, std::size_t i) { return of(split[l][i]); });
@@ -105,13 +111,63 @@ LightPathSample::LightPathSample(const LightPathInputs& inputs)
       levels_(gaussian_levels(inputs.profile)),
       chosen_(draw(inputs.view.points().size(), inputs.points, inputs.seed)) {
   assert(inputs.truths.geodesic() != nullptr);
-  const Stopwatch watch;
   for (const std::uint32_t i : chosen_) targets_.push_back(inputs.view.points().on_mesh[i]);
   const Progress progress(fmt::format("light by its way at {} points", chosen_.size()), 1);
+  const SharedValues& shared = inputs.truths.shared();
+  if (shared.are_shared()) content_ = content();
+  const CachedLayer splits =
+      shared.values(content_of("split", inputs.r_max_mm), 2 * kFieldsOfPaths.size() * levels_.size() * size(),
+                    [&] { return split_finely(); });
+  take_splits(splits.values);
+  seconds_ = splits.seconds;
+}
+
+std::string LightPathSample::content() const {
+  ContentHash hash;
+  append_content(hash, *inputs_.truths.geodesic(), targets_);
+  for (const Vec3d& position : inputs_.scene.mesh.positions_mm) hash.append(position);
+  for (const std::array<int, 3>& triangle : inputs_.scene.mesh.triangles) {
+    for (const int vertex : triangle) hash.append(vertex);
+  }
+  for (const GaussianLevel& level : levels_) {
+    hash.append(level.variance_mm2);
+    hash.append(level.weight);
+  }
+  hash.append(inputs_.scene.largest_irradiance);
+  return hash.hex();
+}
+
+std::string LightPathSample::content_of(const char* what, double r_max_mm) const {
+  return fmt::format("{} {:a} {}", what, r_max_mm, content_);
+}
+
+// Both splits: of each the levels, the points, and the fields of LightPaths.
+std::vector<Vec4d> LightPathSample::split_finely() {
   fine_ = split(targets_, kEdgeStdDevs);
   coarse_ = split(targets_, 2.0 * kEdgeStdDevs);
   refine();
-  seconds_ = watch.seconds();
+  std::vector<Vec4d> values;
+  for (const Split* of : {&fine_, &coarse_}) {
+    for (const std::vector<LightPaths>& level : *of) {
+      for (const LightPaths& paths : level) {
+        for (const auto field : kFieldsOfPaths) values.push_back(paths.*field);
+      }
+    }
+  }
+  return values;
+}
+
+// As split_finely gives them.
+void LightPathSample::take_splits(const std::vector<Vec4d>& values) {
+  auto next = values.begin();
+  for (Split* of : {&fine_, &coarse_}) {
+    of->assign(levels_.size(), std::vector<LightPaths>(size()));
+    for (std::vector<LightPaths>& level : *of) {
+      for (LightPaths& paths : level) {
+        for (const auto field : kFieldsOfPaths) paths.*field = *next++;
+      }
+    }
+  }
 }
 
 // Where halving the quadrature's parts changed light that a truth may take from them by more than a third of
@@ -171,8 +227,11 @@ Certificate LightPathSample::audit_along_surface(const TruthValues& along, doubl
   const std::vector<GeodesicTarget> targets(targets_.begin(),
                                             targets_.begin() + static_cast<std::ptrdiff_t>(audited.size()));
   const GeodesicSurface& surface = *inputs_.truths.geodesic();
-  const TruthValues exact = GeodesicExactEngine(surface, audit_reach_std_devs(kEngineTolerance))
-                                .convolve(targets, layers(r_max_mm));
+  const TruthValues exact = inputs_.truths.shared().truth_values(
+      content_of("exact", r_max_mm), levels_.size(), targets.size(), [&] {
+        return GeodesicExactEngine(surface, audit_reach_std_devs(kEngineTolerance))
+            .convolve(targets, layers(r_max_mm));
+      });
   const AuditTerms terms{kEngineTolerance, GeodesicFastEngine(surface, kEngineTolerance).tail_bound(),
                          inputs_.scene.largest_irradiance, audited.size()};
   Certificate worst;
@@ -191,8 +250,10 @@ Certificate LightPathSample::audit_along_surface(const TruthValues& along, doubl
 }
 
 TruthValues LightPathSample::along_surface(double r_max_mm) const {
-  return GeodesicFastEngine(*inputs_.truths.geodesic(), kEngineTolerance)
-      .convolve(targets_, layers(r_max_mm));
+  return inputs_.truths.shared().truth_values(content_of("along", r_max_mm), levels_.size(), size(), [&] {
+    return GeodesicFastEngine(*inputs_.truths.geodesic(), kEngineTolerance)
+        .convolve(targets_, layers(r_max_mm));
+  });
 }
 
 json LightPathSample::parts(const std::string& view, double tolerance) const {

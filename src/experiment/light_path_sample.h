@@ -26,7 +26,7 @@ struct LightPathInputs {
 };
 
 // LightPaths at pixels of a view drawn without repetition: a sample, for geodesics and rays cost some
-// milliseconds a pixel.
+// milliseconds a pixel. The parts of an experiment compute them once (SceneTruths::shared).
 class LightPathSample {
  public:
   // What the inputs refer to outlives it. The mesh carries geodesics.
@@ -63,6 +63,10 @@ class LightPathSample {
  private:
   using Split = std::vector<std::vector<LightPaths>>;  // [level][point]
 
+  std::string content() const;
+  std::string content_of(const char* what, double r_max_mm) const;
+  std::vector<Vec4d> split_finely();
+  void take_splits(const std::vector<Vec4d>& values);
   Split split(const std::vector<GeodesicTarget>& targets, double edge_std_devs) const;
   void refine();
   std::vector<TruthLayer> layers(double r_max_mm) const;
@@ -75,6 +79,7 @@ class LightPathSample {
   std::vector<GeodesicTarget> targets_;
   Split fine_;
   Split coarse_;
+  std::string content_;   // a hash of what all of this depends on; empty where nothing is shared
   double seconds_ = 0.0;  // that the splits took
 };
 

@@ -11,10 +11,11 @@
 namespace truescatter {
 namespace {
 
-// Measured with the pieces of quickstart.toml, audits included; geodesics, light paths and derived views by
-// README, Speed, and the time of small runs.
+// Measured with the pieces of quickstart.toml, Euclidean audits included; geodesics, light paths and derived
+// views by README, Speed, and the time of small runs.
 constexpr double kPointsPerSecond = 0.35e6;  // of a Gaussian, Euclidean
 constexpr double kGeodesicPointsPerSecond = 0.02e6;
+constexpr double kGeodesicAudit = 0.014;    // a point and Gaussian, along the surface of ear.toml's head
 constexpr double kSecondsPerRead = 12e-9;   // a texel that a shader reads
 constexpr double kSecondsPerTexel = 30e-9;  // a pass over a map in texture space, per texel and Gaussian
 constexpr double kMeasuring = 1.2e-6;       // both FLIPs, quantiles, EXR: seconds a pixel
@@ -61,9 +62,14 @@ double truths_s(const ExperimentSpec& spec, const Plan& plan, const ViewSpec& vi
   double seconds = 0.0;
   for (const PlannedTruth& truth : planned_truths(plan, true)) {
     if (truth.profile != &profile || !truth.not_computed.empty()) continue;
-    const double rate = truth.target.follows_surface() ? kGeodesicPointsPerSecond : kPointsPerSecond;
-    seconds += truth.target.transmittance ? spec.truth.audit_points * kLightPath
-                                          : pixels(view) * gaussians(profile) / rate;
+    if (truth.target.transmittance) {
+      seconds += spec.truth.transmittance_points() * kLightPath;
+    } else if (truth.target.follows_surface()) {
+      seconds += gaussians(profile) *
+                 (pixels(view) / kGeodesicPointsPerSecond + spec.truth.audit_points * kGeodesicAudit);
+    } else {
+      seconds += pixels(view) * gaussians(profile) / kPointsPerSecond;
+    }
   }
   return seconds + spec.truth.light_paths * kLightPath + pixels(view) * kMeasuring;
 }

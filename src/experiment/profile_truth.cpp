@@ -89,7 +89,7 @@ ViewTruth::Request request_of(const ProfileModel& model) {
   return {&model.mixture, {false, false, std::nullopt}};
 }
 
-ProfileTruth profile_truth(const ProfileModel& model, const ViewTruth& truth, const Surface& skin) {
+ProfileTruth profile_truth(const ProfileModel& model, const ViewTruth& truth, const Surface* skin) {
   const WeightedSum sum = truth.weighted_sum(request_of(model));
   std::vector<Vec3d> normalised(sum.light.size(), Vec3d::Zero());
   std::vector<double> share;
@@ -99,7 +99,7 @@ ProfileTruth profile_truth(const ProfileModel& model, const ViewTruth& truth, co
     normalised[i] = model.albedo.cwiseProduct(sum.light[i]).cwiseQuotient(sum.mass[i]);
   }
   ProfileTruth result;
-  result.check = check_radially(model, sum, truth, skin);
+  if (skin != nullptr) result.check = check_radially(model, sum, truth, *skin);
   result.raw = {
       truth.picture_of(sum.light), truth.picture_of(share), {}, sum.certificate, sum.seconds, sum.cached};
   result.raw.certificate.approximation = kMostShellArea * model.error_bound.maxCoeff();

@@ -24,6 +24,7 @@ using nlohmann::json;
 struct Shared {
   const gpu::Context& context;
   TruthCache* cache;
+  SharedValues values;
   const SourceWrapper& wrap;
   const PieceStore& pieces;
   const ImageTexts& origin;
@@ -52,7 +53,7 @@ void run_scene(const ScenePlan& what, const Shared& shared) {
     return truth.target.follows_surface() && truth.not_computed.empty();
   });
   const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, shared.cache,
-                           shared.wrap);
+                           shared.wrap, shared.values);
   const Setup setup{spec,
                     plan,
                     scene,
@@ -191,8 +192,10 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   std::optional<Compositor> compositor;
   if (spec.composite) compositor.emplace(context, compositor_settings(*spec.composite));
   KnownWidths widths;
+  const SharedValues values =
+      options.part ? SharedValues(cache, key.at("program").get<std::string>()) : SharedValues();
   run_scenes(spec, scenes,
-             {context, cache, wrap, pieces, origin, inputs, passes, options.buffers,
+             {context, cache, values, wrap, pieces, origin, inputs, passes, options.buffers,
               compositor ? &*compositor : nullptr, widths, options.memory_limit_bytes, options.times_shared});
 
   const MemoryTaken memory{peak_memory(), options.memory_limit_bytes};

@@ -9,12 +9,13 @@
 namespace truescatter {
 
 SceneTruths::SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, TruthCache* cache,
-                         SourceWrapper wrap)
+                         SourceWrapper wrap, SharedValues shared)
     : tolerance_(spec.tolerance),
       skin_(skin_surface(scene.shading)),
       largest_irradiance_(skin_.largest_irradiance()),
       cache_(cache),
-      wrap_(std::move(wrap)) {
+      wrap_(std::move(wrap)),
+      shared_(std::move(shared)) {
   if (!geodesic) return;
   // The run goes on without them: everything else can be measured.
   try {
@@ -54,7 +55,7 @@ std::unique_ptr<LayerSource> SceneTruths::source(LayerKind kind, const ViewPoint
                                                  const VisibleSurface* visible) const {
   std::unique_ptr<LayerSource> source = plain_source(kind, points, visible);
   if (wrap_) source = wrap_(kind, std::move(source));
-  return cache_ != nullptr ? cached_source(std::move(source), *cache_) : std::move(source);
+  return cache_ != nullptr ? cached_source(std::move(source), *cache_, shared_) : std::move(source);
 }
 
 }  // namespace truescatter

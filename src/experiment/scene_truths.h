@@ -8,6 +8,7 @@
 #include "config/experiment_spec.h"
 #include "experiment/layer_source.h"
 #include "experiment/scene_setup.h"
+#include "experiment/shared_values.h"
 #include "experiment/visible_surface.h"
 #include "truth/cache.h"
 
@@ -19,9 +20,10 @@ using SourceWrapper = std::function<std::unique_ptr<LayerSource>(LayerKind, std:
 // The surfaces of a scene that truths are computed over, which all its views share.
 class SceneTruths {
  public:
-  // `geodesic`: whether any truth is. `cache`: null for none. Scene and cache outlive it.
+  // `geodesic`: whether any truth is. `cache`: null for none. Scene and cache outlive it. `shared`: what
+  // other parts of the experiment need too.
   SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, TruthCache* cache = nullptr,
-              SourceWrapper wrap = {});
+              SourceWrapper wrap = {}, SharedValues shared = {});
   SceneTruths(const SceneTruths&) = delete;
   SceneTruths& operator=(const SceneTruths&) = delete;
 
@@ -30,6 +32,7 @@ class SceneTruths {
   // Null where the mesh carries no geodesics, or nobody asked for them.
   const GeodesicSurface* geodesic() const { return geodesic_ ? &*geodesic_ : nullptr; }
   const Surface& skin() const { return skin_; }
+  const SharedValues& shared() const { return shared_; }
   // Points and `visible` outlive the source; the kind has no obstacle. `visible`: of the points' view, where
   // the kind asks for it.
   std::unique_ptr<LayerSource> source(LayerKind kind, const ViewPoints& points,
@@ -46,6 +49,7 @@ class SceneTruths {
   std::string no_geodesics_;  // why
   TruthCache* cache_;
   SourceWrapper wrap_;
+  SharedValues shared_;
 };
 
 }  // namespace truescatter

@@ -336,8 +336,11 @@ class ViewRunner {
           return setup_.truths.source(kind, points, &visible);
         },
         setup_.truths.geodesic());
-    for (const auto& [name, model] : setup_.plan.models)
-      profile_truths_.emplace(name, profile_truth(model, truth_, setup_.truths.skin()));
+    for (const auto& [name, model] : setup_.plan.models) {
+      // Who keeps the truth's piece says how it was checked.
+      const bool checked = is_kept({Piece::Kind::truth, name_, name});
+      profile_truths_.emplace(name, profile_truth(model, truth_, checked ? nullptr : &setup_.truths.skin()));
+    }
   }
 
   // Why there is no such truth; empty: there is.

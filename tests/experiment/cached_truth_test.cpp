@@ -27,8 +27,10 @@ class CountingSource : public LayerSource {
     }
     return computed;
   }
-  TruthValues audit_values(std::span<const std::uint32_t>, std::span<const TruthLayer>) const override {
-    return {};
+  TruthValues audit_values(std::span<const std::uint32_t> chosen,
+                           std::span<const TruthLayer> layers) const override {
+    ++computations_;
+    return TruthValues(layers.size(), std::vector<Vec4d>(chosen.size(), Vec4d::Constant(computations_)));
   }
   double tail_bound() const override { return 0.0; }
   double largest_irradiance() const override { return 1.0; }
@@ -101,6 +103,26 @@ TEST_F(CachedSourceTest, ForgetsWhatItIsTold) {
   const std::vector<TruthLayer> one = {{1.0}};
   cached_source(std::make_unique<CountingSource>(computations_, false), cache_)->forget(one);
   EXPECT_EQ(computed({{1.0}, {2.0}}), 1);
+}
+
+// What an audit compares with is computed in every run, and once by parts: for these points and layers.
+TEST_F(CachedSourceTest, ComputesWhatAuditsCompareWithOnceForParts) {
+  const auto audits = [&](const SharedValues& shared, const std::vector<std::uint32_t>& points,
+                          const std::vector<TruthLayer>& layers) {
+    const int before = computations_;
+    const TruthValues exact =
+        cached_source(std::make_unique<CountingSource>(computations_, false), cache_, shared)
+            ->audit_values(points, layers);
+    EXPECT_EQ(exact.size(), layers.size());
+    for (const std::vector<Vec4d>& layer : exact) EXPECT_EQ(layer.size(), points.size());
+    return computations_ - before;
+  };
+  const SharedValues parts(&cache_, "program");
+  for (const int again : {1, 1}) EXPECT_EQ(audits({}, {0, 1}, {{1.0}}), again);
+  for (const int again : {1, 0}) EXPECT_EQ(audits(parts, {0, 1}, {{1.0}}), again);
+  for (const int again : {1, 0}) EXPECT_EQ(audits(parts, {1, 0}, {{1.0}}), again);
+  for (const int again : {1, 0}) EXPECT_EQ(audits(parts, {0, 1}, {{1.0}, {2.0}}), again);
+  for (const int again : {1, 0}) EXPECT_EQ(audits(parts, {0, 1}, {{1.0, 4.5}}), again);
 }
 
 // What goes into a truth of a plane at three points.

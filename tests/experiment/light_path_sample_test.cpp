@@ -10,6 +10,7 @@
 
 #include "experiment/points_fixture.h"
 #include "scene/builtin.h"
+#include "support/temp_dir.h"
 
 namespace truescatter::test {
 namespace {
@@ -35,10 +36,11 @@ struct Sampled {
 
 // The truth at `count` of these places; the Euclidean one is computed at all of them.
 Sampled sampled_truth(const PreparedScene& scene, const std::vector<MeshPoint>& places,
-                      const OwnTarget& target, const Profile& profile, std::size_t count) {
+                      const OwnTarget& target, const Profile& profile, std::size_t count,
+                      const SharedValues& shared = {}) {
   TruthSpec spec;
   spec.audit_points = 16;
-  const SceneTruths truths(scene, spec, true);
+  const SceneTruths truths(scene, spec, true, nullptr, {}, shared);
   EXPECT_EQ(truths.obstacle(target), "");
   const FrameImages images = images_of(scene, places);
   ViewTruth view(scene, images);
@@ -139,6 +141,38 @@ TEST(LightPathSample, HalvesItsPartsWhereTheCutOffJumps) {
   EXPECT_EQ(cut.image.certificate.audited, 16U);
   EXPECT_LE(largest_difference(cut.image.rgb, euclidean.rgb),
             (1e-3 / 3.0 + 2.5e-4) * scene.largest_irradiance);
+}
+
+// Parts of an experiment find what one of them has computed: splits, light along the surface, and the exact
+// values that it is audited with. For other light, another body and another cut-off they compute their own.
+TEST(LightPathSample, IsComputedOnceByParts) {
+  const TempDir folder;
+  const Mesh sphere = make_builtin("sphere", {{"radius_mm", 6.0}, {"edge_mm", 1.0}});
+  const Mesh smaller = make_builtin("sphere", {{"radius_mm", 5.5}, {"edge_mm", 1.0}});
+  const auto from_the_right = [](const Vec3d& x) { return 1.0 + x.x() / 6.0; };
+  const auto from_above = [](const Vec3d& x) { return 1.0 + x.y() / 6.0; };
+  const std::vector<MeshPoint> places = random_places(sphere, 4);
+  // Its picture, and how many files it added to the cache.
+  const auto truth = [&](const PreparedScene& scene, double r_max_mm) {
+    TruthCache cache(folder.path(), 1 << 20);
+    const OwnTarget target{false, true, r_max_mm, false, true};
+    const Sampled sampled = sampled_truth(scene, places, target, two_gaussians(), 4, {&cache, "program"});
+    return std::pair(sampled.image, cache.stored_count());
+  };
+  const PreparedScene scene = lit(sphere, from_the_right);
+  const auto [first, computed] = truth(scene, 3.0);
+  EXPECT_EQ(computed, 3U);
+  const auto [second, computed_again] = truth(scene, 3.0);
+  EXPECT_EQ(computed_again, 0U);
+  EXPECT_EQ(largest_difference(first.rgb, second.rgb), 0.0);
+  EXPECT_EQ(first.certificate.max_error, second.certificate.max_error);
+  const OwnTarget target{false, true, 3.0, false, true};
+  const Sampled alone = sampled_truth(scene, places, target, two_gaussians(), 4);
+  EXPECT_EQ(largest_difference(first.rgb, alone.image.rgb), 0.0);
+  EXPECT_EQ(first.certificate.max_error, alone.image.certificate.max_error);
+  EXPECT_EQ(truth(scene, 3.5).second, 3U);
+  EXPECT_EQ(truth(lit(sphere, from_above), 3.0).second, 3U);
+  EXPECT_EQ(truth(lit(smaller, from_the_right), 3.0).second, 3U);
 }
 
 }  // namespace

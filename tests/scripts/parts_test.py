@@ -23,6 +23,18 @@ PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 EXPERIMENT = (ROOT / "tests/scripts/parts.toml").read_text()
 # A ladder out of a method's picture: what it needs stays together.
 WITH_PICTURES = EXPERIMENT.replace('truth = "cut"', 'method = "none"')
+# One scene, whose truths have audits along the surface, light by its ways, and a profile that Gaussians stand for.
+OF_A_DIPOLE = """weight = [1.0, 1.0, 1.0]
+[profile.of]
+model = "classical-dipole"
+sigma_a = 0.03
+sigma_s_prime = 2.0
+eta = 1.3
+tolerance = 1e-3
+"""
+WITH_LIGHT_THROUGH = "\n".join(
+    [EXPERIMENT[:EXPERIMENT.index("[sweep]")].replace("weight = [1.0, 1.0, 1.0]\n", OF_A_DIPOLE),
+     '[[method]]\nname = "pscbf-transmit"', "[truth]\nlight_paths = 16", EXPERIMENT[EXPERIMENT.index("[timing]"):]])
 
 # Runs a job at once, an array's tasks one after the other.
 SBATCH = """#!/usr/bin/env bash
@@ -160,6 +172,13 @@ class Parts(unittest.TestCase):
         computed = self.run_at_once(8)
         self.assertEqual(computed, len(list((self.folder / "cache").glob("*.truth"))))
         self.assertEqual(list((self.folder / "cache").glob(".*.lock")), [])
+        self.expect_the_same(8)
+
+    def test_eight_at_once_share_audits_and_light_paths(self):
+        self.write(WITH_LIGHT_THROUGH)
+        self.run_whole()
+        computed = self.run_at_once(8)
+        self.assertEqual(computed, len(list((self.folder / "cache").glob("*.truth"))))
         self.expect_the_same(8)
 
     def test_damaged_truths_are_computed_once(self):
@@ -384,4 +403,4 @@ name = "none"
 
 
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0], "-v"])
+    unittest.main(argv=[sys.argv[0], "-v", *sys.argv[2:]])
