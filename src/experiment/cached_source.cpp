@@ -15,7 +15,7 @@ void append(ContentHash& hash, const TruthLayer& layer) {
 
 class CachedSource : public LayerSource {
  public:
-  CachedSource(std::unique_ptr<LayerSource> source, TruthCache& cache, SharedValues shared)
+  CachedSource(std::unique_ptr<LayerSource> source, TruthCache& cache, KeptValues shared)
       : source_(std::move(source)),
         cache_(cache),
         shared_(std::move(shared)),
@@ -105,14 +105,14 @@ class CachedSource : public LayerSource {
 
   std::unique_ptr<LayerSource> source_;
   TruthCache& cache_;
-  SharedValues shared_;
+  KeptValues shared_;
   std::string content_key_;
 };
 
 }  // namespace
 
 std::unique_ptr<LayerSource> cached_source(std::unique_ptr<LayerSource> source, TruthCache& cache,
-                                           SharedValues shared) {
+                                           KeptValues shared) {
   return std::make_unique<CachedSource>(std::move(source), cache, std::move(shared));
 }
 

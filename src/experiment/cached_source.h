@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "experiment/layer_source.h"
-#include "experiment/shared_values.h"
+#include "experiment/kept_values.h"
 #include "truth/cache.h"
 
 namespace truescatter {
@@ -13,6 +13,6 @@ namespace truescatter {
 // other's, so the key has all of them, and they are taken from the cache all or none. Bitwise the same values
 // with and without the cache. What audits compare with is computed each time, or `shared` with other parts.
 std::unique_ptr<LayerSource> cached_source(std::unique_ptr<LayerSource> source, TruthCache& cache,
-                                           SharedValues shared = {});
+                                           KeptValues shared = {});
 
 }  // namespace truescatter

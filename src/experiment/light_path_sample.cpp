@@ -113,8 +113,8 @@ LightPathSample::LightPathSample(const LightPathInputs& inputs)
   assert(inputs.truths.geodesic() != nullptr);
   for (const std::uint32_t i : chosen_) targets_.push_back(inputs.view.points().on_mesh[i]);
   const Progress progress(fmt::format("light by its way at {} points", chosen_.size()), 1);
-  const SharedValues& shared = inputs.truths.shared();
-  if (shared.are_shared()) content_ = content();
+  const KeptValues& shared = inputs.truths.shared();
+  if (shared.are_kept()) content_ = content();
   const CachedLayer splits =
       shared.values(content_of("split", inputs.r_max_mm), 2 * kFieldsOfPaths.size() * levels_.size() * size(),
                     [&] { return split_finely(); });

@@ -24,7 +24,8 @@ using nlohmann::json;
 struct Shared {
   const gpu::Context& context;
   TruthCache* cache;
-  SharedValues values;
+  const KeptValues& kept;
+  const KeptValues& kept_by_parts;  // what a whole run computes each time
   const SourceWrapper& wrap;
   const PieceStore& pieces;
   const ImageTexts& origin;
@@ -45,7 +46,7 @@ void run_scene(const ScenePlan& what, const Shared& shared) {
   };
   const bool reflection = shared.buffers || (spec.composite && spec.composite->specular);
   const PreparedScene scene = prepare_scene(
-      spec, [&](const Mesh& mesh) { admit(size_of(mesh)); }, reflection);
+      spec, [&](const Mesh& mesh) { admit(size_of(mesh)); }, reflection, shared.kept);
   admit(size_of(scene));
   const SurfaceBuffers buffers(shared.context, scene.shading, scene.lights);
   const std::vector<PlannedTruth> planned = planned_truths(plan, buffers.has_uvs());
@@ -53,7 +54,7 @@ void run_scene(const ScenePlan& what, const Shared& shared) {
     return truth.target.follows_surface() && truth.not_computed.empty();
   });
   const SceneTruths truths(scene, spec.truth, geodesic || spec.truth.light_paths > 0, shared.cache,
-                           shared.wrap, shared.values);
+                           shared.wrap, shared.kept_by_parts);
   const Setup setup{spec,
                     plan,
                     scene,
@@ -192,11 +193,12 @@ RunOutcome run_experiment(const ExperimentSpec& spec, const std::filesystem::pat
   std::optional<Compositor> compositor;
   if (spec.composite) compositor.emplace(context, compositor_settings(*spec.composite));
   KnownWidths widths;
-  const SharedValues values =
-      options.part ? SharedValues(cache, key.at("program").get<std::string>()) : SharedValues();
+  const KeptValues kept(cache, key.at("program").get<std::string>());
+  const KeptValues nothing;
   run_scenes(spec, scenes,
-             {context, cache, values, wrap, pieces, origin, inputs, passes, options.buffers,
-              compositor ? &*compositor : nullptr, widths, options.memory_limit_bytes, options.times_shared});
+             {context, cache, kept, options.part ? kept : nothing, wrap, pieces, origin, inputs, passes,
+              options.buffers, compositor ? &*compositor : nullptr, widths, options.memory_limit_bytes,
+              options.times_shared});
 
   const MemoryTaken memory{peak_memory(), options.memory_limit_bytes};
   const ExperimentRecord record = record_of(spec, scenes);

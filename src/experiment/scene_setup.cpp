@@ -7,6 +7,7 @@
 
 #include "core/image_io.h"
 #include "core/progress.h"
+#include "experiment/builtin_mesh.h"
 #include "experiment/mesh_checks.h"
 #include "scene/builtin.h"
 
@@ -46,8 +47,12 @@ Mesh load_mesh_file(const ExperimentSpec& spec, int loop_subdivisions) {
   return mesh;
 }
 
-Mesh load_scene_mesh(const ExperimentSpec& spec) {
-  if (is_builtin(spec.scene)) return with_builtin(spec.scene, make_builtin);
+Mesh load_scene_mesh(const ExperimentSpec& spec, const KeptValues& kept) {
+  if (is_builtin(spec.scene)) {
+    return with_builtin(spec.scene, [&](const auto& name, const auto& parameters, const auto& where) {
+      return builtin_mesh(name, parameters, where, kept);
+    });
+  }
   return load_mesh_file(spec, spec.scene.loop_subdivisions);
 }
 
@@ -267,10 +272,10 @@ RefinementSettings refinement_of(const ExperimentSpec& spec) {
 }  // namespace
 
 PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void(const Mesh&)>& admit,
-                            bool reflection) {
+                            bool reflection, const KeptValues& kept) {
   const Progress progress("scene", 1);
   PreparedScene scene;
-  scene.mesh = load_scene_mesh(spec);
+  scene.mesh = load_scene_mesh(spec, kept);
   scene.mesh_file = {is_builtin(spec.scene)
                          ? spec.scene.mesh
                          : resolve_path(spec, spec.scene.mesh, spec.scene.mesh_where).string()};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/experiment_spec.h"
+#include "experiment/kept_values.h"
 #include "irradiance/light_fields.h"
 #include "irradiance/shading_mesh.h"
 #include "scene/camera.h"
@@ -48,10 +49,10 @@ struct PreparedScene {
 // without the channels that it needs; an environment's map that is none; a dark scene; a point light on the
 // mesh.
 // `admit` is told of the mesh before it is lit; what it throws is passed on. `reflection`: whether what
-// reflection depends on is wanted.
+// reflection depends on is wanted. `kept`: where a generated mesh may be kept.
 PreparedScene prepare_scene(
     const ExperimentSpec& spec, const std::function<void(const Mesh&)>& admit = [](const Mesh&) {},
-    bool reflection = false);
+    bool reflection = false, const KeptValues& kept = {});
 
 // What a scene is known to be before it is generated, lit and refined.
 struct SceneOutline {

@@ -9,7 +9,7 @@
 namespace truescatter {
 
 SceneTruths::SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, TruthCache* cache,
-                         SourceWrapper wrap, SharedValues shared)
+                         SourceWrapper wrap, KeptValues shared)
     : tolerance_(spec.tolerance),
       skin_(skin_surface(scene.shading)),
       largest_irradiance_(skin_.largest_irradiance()),

@@ -8,7 +8,7 @@
 #include "config/experiment_spec.h"
 #include "experiment/layer_source.h"
 #include "experiment/scene_setup.h"
-#include "experiment/shared_values.h"
+#include "experiment/kept_values.h"
 #include "experiment/visible_surface.h"
 #include "truth/cache.h"
 
@@ -23,7 +23,7 @@ class SceneTruths {
   // `geodesic`: whether any truth is. `cache`: null for none. Scene and cache outlive it. `shared`: what
   // other parts of the experiment need too.
   SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, TruthCache* cache = nullptr,
-              SourceWrapper wrap = {}, SharedValues shared = {});
+              SourceWrapper wrap = {}, KeptValues shared = {});
   SceneTruths(const SceneTruths&) = delete;
   SceneTruths& operator=(const SceneTruths&) = delete;
 
@@ -32,7 +32,7 @@ class SceneTruths {
   // Null where the mesh carries no geodesics, or nobody asked for them.
   const GeodesicSurface* geodesic() const { return geodesic_ ? &*geodesic_ : nullptr; }
   const Surface& skin() const { return skin_; }
-  const SharedValues& shared() const { return shared_; }
+  const KeptValues& shared() const { return shared_; }
   // Points and `visible` outlive the source; the kind has no obstacle. `visible`: of the points' view, where
   // the kind asks for it.
   std::unique_ptr<LayerSource> source(LayerKind kind, const ViewPoints& points,
@@ -49,7 +49,7 @@ class SceneTruths {
   std::string no_geodesics_;  // why
   TruthCache* cache_;
   SourceWrapper wrap_;
-  SharedValues shared_;
+  KeptValues shared_;
 };
 
 }  // namespace truescatter

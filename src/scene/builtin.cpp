@@ -422,7 +422,8 @@ const std::vector<BuiltinScene>& builtin_scenes() {
       {"head",
        "a bust, about 200 mm tall, looking along +z",
        {{"edge_mm", 2.5, 1.5, 6.0, kEdgeHelp}},
-       [](const BuiltinParameters& parameters) { return make_head(value_of(parameters, "edge_mm")); }},
+       [](const BuiltinParameters& parameters) { return make_head(value_of(parameters, "edge_mm")); },
+       true},
       {"sphere",
        "a sphere around the origin, in six charts",
        {{"radius_mm", 25.0, 0.5, 500.0, "radius"}, edge_parameter()},
@@ -462,6 +463,8 @@ const std::vector<BuiltinScene>& builtin_scenes() {
   };
   return scenes;
 }
+
+bool is_sculpted(std::string_view name) { return find_scene(name, {}).sculpted; }
 
 BuiltinParameters complete_parameters(std::string_view name, const BuiltinParameters& given,
                                       const BuiltinLocations& where) {

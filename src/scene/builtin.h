@@ -29,6 +29,7 @@ struct BuiltinScene {
   std::string_view summary;
   std::vector<BuiltinParameter> parameters;
   std::function<Mesh(const BuiltinParameters&)> generate;  // all parameters are set and in range
+  bool sculpted = false;                                   // generating it takes seconds
 };
 
 // The table of built-in scenes: head, sphere, plane, wedge, slab, tube, cards.
@@ -45,6 +46,9 @@ struct BuiltinLocations {
 // range, at the parameter. Too many triangles are edge_mm's fault, or the name's where that is not given.
 BuiltinParameters complete_parameters(std::string_view name, const BuiltinParameters& given,
                                       const BuiltinLocations& where = {});
+
+// BuiltinScene::sculpted. Throws Error (input) for an unknown name.
+bool is_sculpted(std::string_view name);
 
 // About how many triangles a scene has with these parameters, all of which are given.
 double expected_triangles(std::string_view name, const BuiltinParameters& parameters);

@@ -235,18 +235,21 @@ TruthCache::TruthCache(fs::path folder, std::uintmax_t limit_bytes, std::chrono:
 
 fs::path TruthCache::file_of(const std::string& key) const { return folder_ / (key + kExtension); }
 
-std::optional<CachedLayer> TruthCache::read(const std::string& key, std::size_t points) const {
+std::optional<CachedLayer> TruthCache::read(const std::string& key, std::optional<std::size_t> points) const {
   std::ifstream stream(file_of(key), std::ios::binary | std::ios::ate);
   if (!stream) return std::nullopt;
+  const auto size = static_cast<std::uintmax_t>(static_cast<std::streamoff>(stream.tellg()));
   // What is of another size is damaged, however large it is.
-  if (stream.tellg() != static_cast<std::streamoff>(file_size_of(points))) return std::nullopt;
-  std::string bytes(file_size_of(points), '\0');
+  if (!points && (size < file_size_of(0) || size > limit_bytes_)) return std::nullopt;
+  if (!points) points = (size - file_size_of(0)) / sizeof(Vec4d);
+  if (size != file_size_of(*points)) return std::nullopt;
+  std::string bytes(file_size_of(*points), '\0');
   stream.seekg(0);
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return stream ? from_bytes(key, points, bytes) : std::nullopt;
+  return stream ? from_bytes(key, *points, bytes) : std::nullopt;
 }
 
-std::optional<CachedLayer> TruthCache::find(const std::string& key, std::size_t points) {
+std::optional<CachedLayer> TruthCache::find(const std::string& key, std::optional<std::size_t> points) {
   const fs::path file = file_of(key);
   if (access(file.c_str(), R_OK) != 0) return std::nullopt;  // none, or another user's own
   std::optional<CachedLayer> layer = read(key, points);

@@ -54,8 +54,9 @@ class TruthCache {
   TruthCache(std::filesystem::path folder, std::uintmax_t limit_bytes,
              std::chrono::milliseconds patience = kPatience);
 
-  // The layer of this key (hexadecimal digits), which must have this many points; nothing if it is not there.
-  std::optional<CachedLayer> find(const std::string& key, std::size_t points);
+  // The layer of this key (hexadecimal digits), which must have this many points where that is known; nothing
+  // if it is not there.
+  std::optional<CachedLayer> find(const std::string& key, std::optional<std::size_t> points);
   void store(const std::string& key, const CachedLayer& layer);
   void forget(const std::string& key);
   // Whether a layer of this key and this many points is there, whole.
@@ -74,7 +75,7 @@ class TruthCache {
 
  private:
   std::filesystem::path file_of(const std::string& key) const;
-  std::optional<CachedLayer> read(const std::string& key, std::size_t points) const;
+  std::optional<CachedLayer> read(const std::string& key, std::optional<std::size_t> points) const;
   bool write(const std::filesystem::path& file, const std::string& bytes);
   void give_up(const std::string& reason);
   void remove_stale_temporaries() const;

@@ -107,7 +107,7 @@ TEST_F(CachedSourceTest, ForgetsWhatItIsTold) {
 
 // What an audit compares with is computed in every run, and once by parts: for these points and layers.
 TEST_F(CachedSourceTest, ComputesWhatAuditsCompareWithOnceForParts) {
-  const auto audits = [&](const SharedValues& shared, const std::vector<std::uint32_t>& points,
+  const auto audits = [&](const KeptValues& shared, const std::vector<std::uint32_t>& points,
                           const std::vector<TruthLayer>& layers) {
     const int before = computations_;
     const TruthValues exact =
@@ -117,7 +117,7 @@ TEST_F(CachedSourceTest, ComputesWhatAuditsCompareWithOnceForParts) {
     for (const std::vector<Vec4d>& layer : exact) EXPECT_EQ(layer.size(), points.size());
     return computations_ - before;
   };
-  const SharedValues parts(&cache_, "program");
+  const KeptValues parts(&cache_, "program");
   for (const int again : {1, 1}) EXPECT_EQ(audits({}, {0, 1}, {{1.0}}), again);
   for (const int again : {1, 0}) EXPECT_EQ(audits(parts, {0, 1}, {{1.0}}), again);
   for (const int again : {1, 0}) EXPECT_EQ(audits(parts, {1, 0}, {{1.0}}), again);

@@ -37,7 +37,7 @@ struct Sampled {
 // The truth at `count` of these places; the Euclidean one is computed at all of them.
 Sampled sampled_truth(const PreparedScene& scene, const std::vector<MeshPoint>& places,
                       const OwnTarget& target, const Profile& profile, std::size_t count,
-                      const SharedValues& shared = {}) {
+                      const KeptValues& shared = {}) {
   TruthSpec spec;
   spec.audit_points = 16;
   const SceneTruths truths(scene, spec, true, nullptr, {}, shared);

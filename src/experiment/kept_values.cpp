@@ -1,4 +1,4 @@
-#include "experiment/shared_values.h"
+#include "experiment/kept_values.h"
 
 #include <cassert>
 #include <optional>
@@ -18,26 +18,26 @@ CachedLayer timed(const std::function<std::vector<Vec4d>()>& compute) {
 
 }  // namespace
 
-CachedLayer SharedValues::values(const std::string& content, std::size_t count,
-                                 const std::function<std::vector<Vec4d>()>& compute) const {
-  if (!are_shared()) return timed(compute);
+CachedLayer KeptValues::values(const std::string& content, std::optional<std::size_t> count,
+                               const std::function<std::vector<Vec4d>()>& compute) const {
+  if (!are_kept()) return timed(compute);
   ContentHash hash;
   hash.append(program_);
   hash.append(content);
   const std::string key = hash.hex();
   if (std::optional<CachedLayer> found = cache_->find(key, count)) return *std::move(found);
   // Who holds this claim waits for nothing else, so it may be asked for while a view's truths are claimed.
-  const CacheClaim claim = cache_->claim(key, 1, count);
+  const CacheClaim claim = cache_->claim(key, 1, count.value_or(0));
   if (std::optional<CachedLayer> found = cache_->find(key, count)) return *std::move(found);
   CachedLayer computed = timed(compute);
-  assert(computed.values.size() == count);
+  assert(!count || computed.values.size() == *count);
   cache_->store(key, computed);
   return computed;
 }
 
-TruthValues SharedValues::truth_values(const std::string& content, std::size_t layers, std::size_t points,
-                                       const std::function<TruthValues()>& compute) const {
-  if (!are_shared()) return compute();
+TruthValues KeptValues::truth_values(const std::string& content, std::size_t layers, std::size_t points,
+                                     const std::function<TruthValues()>& compute) const {
+  if (!are_kept()) return compute();
   const std::vector<Vec4d> flat = values(content, layers * points, [&] {
                                     std::vector<Vec4d> all;
                                     for (const std::vector<Vec4d>& layer : compute())
