@@ -64,6 +64,22 @@ TEST_F(TruthCacheTest, GivesBackEveryBit) {
   EXPECT_FALSE(cache_.find(kKey, 100));
 }
 
+// Of however many points where nobody knows: but whole, and no larger than the folder may be.
+TEST_F(TruthCacheTest, FindsALayerOfAnyLength) {
+  const CachedLayer layer = layer_of(100, 7);
+  EXPECT_FALSE(cache_.find(kKey, std::nullopt));
+  cache_.store(kKey, layer);
+  expect_same(cache_.find(kKey, std::nullopt), layer);
+  TruthCache small(folder_.path(), 100 * sizeof(Vec4d));
+  EXPECT_FALSE(small.find(kKey, std::nullopt));
+  EXPECT_FALSE(fs::exists(file()));
+  for (const std::uintmax_t bytes : {0U, 10U, 76U, 77U, 100U * 32U, 101U * 32U + 76U}) {
+    cache_.store(kKey, layer);
+    fs::resize_file(file(), bytes);
+    EXPECT_FALSE(cache_.find(kKey, std::nullopt)) << bytes;
+  }
+}
+
 TEST_F(TruthCacheTest, MakesItsFolder) {
   const fs::path deep = folder_.path() / "a" / "b";
   TruthCache cache(deep, kPlenty);
