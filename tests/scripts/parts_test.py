@@ -260,7 +260,7 @@ class Parts(unittest.TestCase):
 name = "fitted"
 r_max_mm = 6.0
 fit.file = "one.json"
-of = {model = "classical-dipole", material = "skin1"}
+of = {model = "classical-dipole", material = "skin1", tolerance = 1e-3}
 [[threshold]]
 method = "none"
 metric = "rel_rmse"

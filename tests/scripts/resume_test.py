@@ -31,14 +31,14 @@ direction = [0.0, 0.5, 1.0]
 name = "front"
 eye_mm = [0.0, 0.0, 100.0]
 fov_deg = 10.0
-width_px = 40
-height_px = 40
+width_px = 24
+height_px = 24
 [[view]]
 name = "side"
 eye_mm = [30.0, 0.0, 90.0]
 fov_deg = 10.0
-width_px = 40
-height_px = 40
+width_px = 24
+height_px = 24
 [[profile]]
 name = "spike-and-base"
 [[profile]]
@@ -114,7 +114,7 @@ class Resume(unittest.TestCase):
                               text=True) as process:
             own = self.folder / f".out.{process.pid}.part/pieces"
             while process.poll() is None and not ((own / "key.json").exists() and len(self.pieces_in(own)) >= after):
-                time.sleep(0.003)
+                time.sleep(0.01)
             process.send_signal(how)
             said = process.stderr.read()
         return process.returncode, said
@@ -151,7 +151,7 @@ class Resume(unittest.TestCase):
             with subprocess.Popen(self.command(*arguments), cwd=self.folder, stdout=subprocess.DEVNULL,
                                   stderr=subprocess.DEVNULL) as process:
                 while process.poll() is None and len(self.pieces()) < after:
-                    time.sleep(0.003)
+                    time.sleep(0.01)
                 process.kill()
         self.assertEqual(len(self.left()), 1)
         self.assertEqual(self.run_program("--resume").returncode, 0)
@@ -200,7 +200,7 @@ class Resume(unittest.TestCase):
         with subprocess.Popen([a for a in self.command() if a != "--buffers"], cwd=self.folder,
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
             while process.poll() is None and len(self.pieces()) < 3:
-                time.sleep(0.003)
+                time.sleep(0.01)
             process.kill()
         refused = self.run_program("--resume")
         self.assertEqual(refused.returncode, 2)
