@@ -1,10 +1,11 @@
 #include "core/content_hash.h"
 
-#include <OpenImageIO/hash.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <openssl/evp.h>
 
-#include <algorithm>
+#include <array>
 #include <cassert>
-#include <cctype>
 #include <fstream>
 #include <vector>
 
@@ -12,17 +13,28 @@
 
 namespace truescatter {
 
+namespace {
+
+// OpenSSL fails where memory is out, or where an administrator has forbidden SHA-1.
+void check(int ok) {
+  if (ok != 1) throw_run_error("OpenSSL cannot compute SHA-1");
+}
+
+}  // namespace
+
 struct ContentHash::State {
-  OIIO::SHA1 hash;
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context{EVP_MD_CTX_new(), EVP_MD_CTX_free};
   bool done = false;
 };
 
-ContentHash::ContentHash() : state_(std::make_unique<State>()) {}
+ContentHash::ContentHash() : state_(std::make_unique<State>()) {
+  check(EVP_DigestInit_ex(state_->context.get(), EVP_sha1(), nullptr));
+}
 ContentHash::~ContentHash() = default;
 
 void ContentHash::append(const void* bytes, std::size_t count) {
   assert(!state_->done);
-  if (count > 0) state_->hash.append(bytes, count);
+  if (count > 0) check(EVP_DigestUpdate(state_->context.get(), bytes, count));
 }
 
 void ContentHash::append(const std::string& text) {
@@ -33,10 +45,11 @@ void ContentHash::append(const std::string& text) {
 std::string ContentHash::hex() {
   assert(!state_->done);
   state_->done = true;
-  std::string digits = state_->hash.digest();
-  std::transform(digits.begin(), digits.end(), digits.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return digits;
+  std::array<unsigned char, 20> digest;
+  unsigned int size = 0;
+  check(EVP_DigestFinal_ex(state_->context.get(), digest.data(), &size));
+  assert(size == digest.size());
+  return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
 std::string hash_of_file(const std::filesystem::path& file) {
