@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 // Pieces that one part computes.
 struct Group {
+  std::string view;  // with its scene's place in the experiment
   std::vector<std::string> ids;
   double cost_s = 0.0;
 };
@@ -38,12 +39,13 @@ bool ladders_read_pictures(const Plan& plan) {
 // Each piece by itself, but for those of a view and profile where a ladder reads runs' pictures.
 std::vector<Group> groups_of(const std::vector<ScenePlan>& scenes) {
   std::vector<Group> groups;
-  for (const auto& [spec, plan] : scenes) {
+  for (std::size_t scene = 0; scene < scenes.size(); ++scene) {
+    const auto& [spec, plan] = scenes[scene];
     const bool together = ladders_read_pictures(plan);
     std::string open_group;
     for (const Piece& piece : pieces_of(spec, plan)) {
       const std::string name = together && !piece.profile.empty() ? piece.view + "/" + piece.profile : "";
-      if (name.empty() || name != open_group) groups.emplace_back();
+      if (name.empty() || name != open_group) groups.push_back({fmt::format("{} {}", scene, piece.view), {}});
       open_group = name;
       groups.back().ids.push_back(piece.id());
       groups.back().cost_s += piece_cost_s(spec, plan, piece);
@@ -52,19 +54,65 @@ std::vector<Group> groups_of(const std::vector<ScenePlan>& scenes) {
   return groups;
 }
 
-// A group belongs to the part in whose equal share of the whole cost its middle lies. `own`: of this part, or
-// of all others.
-std::set<std::string> ids_where(const std::vector<ScenePlan>& scenes, const ExperimentPart& part, bool own) {
-  const std::vector<Group> groups = groups_of(scenes);
+// The groups' costs summed up, in millionths of the whole: integers, which are the same on every machine.
+std::vector<std::int64_t> costs_before(const std::vector<Group>& groups) {
   double all_s = 0.0;
   for (const Group& group : groups) all_s += group.cost_s;
+  std::vector<std::int64_t> before = {0};
+  for (const Group& group : groups)
+    before.push_back(before.back() + std::llround(1e6 * group.cost_s / all_s));
+  return before;
+}
+
+// The first group of each part, and behind the last one's the number of groups. A group belongs to the part
+// in whose equal share of the whole cost its middle lies.
+std::vector<std::size_t> equal_cuts(const std::vector<std::int64_t>& before, int count) {
+  std::vector<std::size_t> cuts = {0};
+  const std::size_t groups = before.size() - 1;
+  for (int part = 1; part < count; ++part) {
+    std::size_t cut = cuts.back();
+    while (cut < groups && (before[cut] + before[cut + 1]) * count < 2 * part * before.back()) ++cut;
+    cuts.push_back(cut);
+  }
+  cuts.push_back(groups);
+  return cuts;
+}
+
+// A view that a cut divides is drawn and lit by two parts. So each cut moves to the next place between two
+// views, if that makes neither part beside it dearer than the dearest of all was, give or take a fiftieth:
+// costs are not known better.
+std::vector<std::size_t> cuts_between_views(const std::vector<Group>& groups, int count) {
+  const std::vector<std::int64_t> before = costs_before(groups);
+  std::vector<std::size_t> cuts = equal_cuts(before, count);
+  std::int64_t dearest = 0;
+  for (std::size_t part = 0; part + 1 < cuts.size(); ++part)
+    dearest = std::max(dearest, before[cuts[part + 1]] - before[cuts[part]]);
+  const std::int64_t limit = dearest + dearest / 50;
+  for (std::size_t k = 1; k + 1 < cuts.size(); ++k) {
+    const auto moves = [&](std::size_t to) {
+      const bool divides = to > 0 && to < groups.size() && groups[to - 1].view == groups[to].view;
+      return !divides && before[to] - before[cuts[k - 1]] <= limit &&
+             before[cuts[k + 1]] - before[to] <= limit;
+    };
+    for (std::size_t away = 0; away < groups.size(); ++away) {
+      const bool back = cuts[k] >= cuts[k - 1] + away && moves(cuts[k] - away);
+      if (!back && !(cuts[k] + away <= cuts[k + 1] && moves(cuts[k] + away))) continue;
+      cuts[k] = back ? cuts[k] - away : cuts[k] + away;
+      break;
+    }
+  }
+  return cuts;
+}
+
+// The pieces of this part (`own`), or of all others.
+std::set<std::string> ids_where(const std::vector<ScenePlan>& scenes, const ExperimentPart& part, bool own) {
+  const std::vector<Group> groups = groups_of(scenes);
+  const std::vector<std::size_t> cuts = cuts_between_views(groups, part.count);
+  const std::size_t index = static_cast<std::size_t>(part.index);
   std::set<std::string> ids;
-  double before_s = 0.0;
-  for (const Group& group : groups) {
-    const double middle = (before_s + 0.5 * group.cost_s) / all_s;
-    const int index = std::clamp(1 + static_cast<int>(middle * part.count), 1, part.count);
-    if ((index == part.index) == own) ids.insert(group.ids.begin(), group.ids.end());
-    before_s += group.cost_s;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const bool is_own = cuts[index - 1] <= i && i < cuts[index];
+    if (is_own == own) ids.insert(groups[i].ids.begin(), groups[i].ids.end());
   }
   return ids;
 }

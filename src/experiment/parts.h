@@ -26,8 +26,9 @@ struct ExperimentPart {
 ExperimentPart parse_part(const std::string& text);
 
 // The ids of a part's pieces. In the order of the results the pieces are cut into runs of about equal cost
-// (piece_cost_s), so that a part needs few of the scenes and views; the same on every machine. A ladder out
-// of methods' pictures stays with their runs. Of more parts than there are pieces some have none.
+// (piece_cost_s), so that a part needs few of the scenes and views, and between views wherever that makes the
+// dearest part hardly dearer; the same on every machine. A ladder out of methods' pictures stays with their
+// runs. Of more parts than there are pieces some have none.
 std::set<std::string> pieces_of_part(const std::vector<ScenePlan>& scenes, const ExperimentPart& part);
 // Of all other parts.
 std::set<std::string> pieces_elsewhere(const std::vector<ScenePlan>& scenes, const ExperimentPart& part);
