@@ -240,6 +240,25 @@ TEST_F(ResumedFolderTest, TakesOverWhatIsLeftAndPublishesIt) {
   EXPECT_FALSE(fs::exists(out() / "pieces"));
 }
 
+// The parent was away when the results were to go there, and is back: nothing is lost.
+TEST_F(ResumedFolderTest, GoesOnFromWhatCouldNotBePublished) {
+  const fs::path parent = folder_.path() / "parent";
+  const fs::path away = folder_.path() / "away";
+  write_left(fs::path("parent") / kLeft, "front");
+  {
+    ResultFolder results(parent / "out", true);
+    folder_.write(results.working().lexically_relative(folder_.path()) / "results.json", kResults);
+    fs::rename(parent, away);
+    EXPECT_TRUE(error_of([&] { results.publish(); }).has_value());
+  }
+  fs::rename(away, parent);
+  ResultFolder again(parent / "out", true);
+  EXPECT_TRUE(PieceStore(again.working()).has({Piece::Kind::view, "front"}));
+  again.publish();
+  EXPECT_EQ(text("parent/out/results.json"), kResults);
+  EXPECT_FALSE(fs::exists(parent / "out/pieces"));
+}
+
 TEST_F(ResumedFolderTest, WithoutPublishingItStays) {
   write_left(kLeft, "front");
   { const ResultFolder results(out(), true); }
