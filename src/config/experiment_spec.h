@@ -184,6 +184,8 @@ struct TruthSpec {
   double tolerance = 1e-4;  // of the largest irradiance
   int audit_points = 256;
   std::uint64_t seed = 1;
+  // What gives and receives light, in every truth: skin | all (what the skin's mask leaves out too).
+  std::string mask_truth = "skin";
   // Geodesic truths: own (where a method aims at one) | extra (every method is measured against one too) |
   // off.
   std::string geodesic = "own";

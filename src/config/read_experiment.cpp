@@ -449,6 +449,7 @@ TruthSpec read_truth(TomlTable table) {
   truth.tolerance = table.number("tolerance", truth.tolerance, 1e-9, 1e-2);
   truth.audit_points = table.whole("audit_points", truth.audit_points, 256, 1000000);
   truth.seed = static_cast<std::uint64_t>(table.whole("seed", 1, 0, 2147483647));
+  truth.mask_truth = table.one_of("mask_truth", truth.mask_truth, {"skin", "all"});
   truth.geodesic = table.one_of("geodesic", truth.geodesic, {"own", "extra", "off"});
   truth.visible_only = table.flag("visible_only", truth.visible_only);
   truth.light_paths = table.whole("light_paths", truth.light_paths, 0, 1000000);

@@ -252,8 +252,9 @@ std::string to_toml(const ExperimentSpec& spec) {
   for (const MethodSpec& method : spec.methods) text += method_toml(spec, method);
   text += "\n[truth]\n" + line("tolerance", spec.truth.tolerance) +
           line("audit_points", spec.truth.audit_points) + line("seed", spec.truth.seed) +
-          line("geodesic", spec.truth.geodesic) + line("visible_only", spec.truth.visible_only) +
-          line("light_paths", spec.truth.light_paths) + line("cache", spec.truth.cache);
+          line("mask_truth", spec.truth.mask_truth) + line("geodesic", spec.truth.geodesic) +
+          line("visible_only", spec.truth.visible_only) + line("light_paths", spec.truth.light_paths) +
+          line("cache", spec.truth.cache);
   text += "\n[metrics]\n" + line("seam", spec.metrics.seam) + line("leak", spec.metrics.leak);
   if (spec.composite) text += composite_toml(spec, *spec.composite);
   text += "\n[timing]\n" + line("warm_up", spec.timing.warm_up) + line("repeats", spec.timing.repeats);

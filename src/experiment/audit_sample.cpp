@@ -93,10 +93,10 @@ double distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   return std::sqrt(squared_distance_to_triangle(p, a, b, b));
 }
 
-// The edges and vertices at which the skin of a shading mesh ends.
-class SkinBorder {
+// The edges and vertices at which S ends.
+class SurfaceBorder {
  public:
-  explicit SkinBorder(const ShadingMesh& shading) : shading_(shading) {
+  explicit SurfaceBorder(const ShadingMesh& shading) : shading_(shading) {
     std::unordered_map<std::uint64_t, int> uses;
     for_edges([&](int a, int b) { ++uses[edge_key(a, b)]; });
     for_edges([&](int a, int b) {
@@ -122,7 +122,7 @@ class SkinBorder {
   template <typename Use>
   void for_edges(const Use& use) const {
     for (const ShadingTriangle& triangle : shading_.triangles) {
-      if (!triangle.skin) continue;
+      if (!triangle.scatters) continue;
       for (std::size_t c = 0; c < 3; ++c) use(triangle.vertices[c], triangle.vertices[(c + 1) % 3]);
     }
   }
@@ -134,7 +134,7 @@ class SkinBorder {
 };
 
 std::vector<double> border_distances_mm(const AuditInputs& in) {
-  const SkinBorder border(in.shading);
+  const SurfaceBorder border(in.shading);
   std::vector<double> distance;
   for (std::size_t i = 0; i < in.points.size(); ++i) {
     const auto t = static_cast<std::size_t>(in.points.triangles[i]);

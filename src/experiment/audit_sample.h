@@ -32,8 +32,8 @@ struct AuditInputs {
 // risk is highest, of each class at most one point on a shading triangle as long as there are others:
 //   shadow_edge  the irradiance changes most over the shading triangle
 //   crease       the face normal turns most to the next pixel
-//   mask_edge    nearest to where the skin ends, at what is not skin or at an open border, of the points on
-//                the triangles that touch it
+//   mask_edge    nearest to where S ends, at what is not of it or at an open border, of the points on the
+//                triangles that touch it
 //   smallest_s   the narrowest Gaussian's mass is farthest from 1, away from that border: the surface bends
 //                most within its reach
 //   cut_locus    with geodesic truths: nearest to the mesh's sharpest vertex, as angle missing from a full

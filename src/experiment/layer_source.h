@@ -18,9 +18,9 @@ namespace truescatter {
 
 // What a layer is a convolution over, and along what its distances are measured.
 enum class LayerKind {
-  euclidean,  // the skin, through the air
-  geodesic,   // the skin, along the surface
-  visible,    // what the view sees of the skin, through the air
+  euclidean,  // S, through the air
+  geodesic,   // S, along the surface
+  visible,    // what the view sees of S, through the air
   unsure,     // VisibleSurface::unsure: its masses bound what is doubtful about `visible`
 };
 

@@ -257,6 +257,7 @@ std::string describe_plan(const ExperimentSpec& spec, const Plan& plan, const Sc
   text += fmt::format("scene {}{}\n", spec.scene.mesh, in_brackets(scene.parameters));
   if (!spec.scene.characters.empty()) text += fmt::format("characters {}\n", spec.scene.characters.size());
   if (!spec.scene.skin_mask.empty()) text += fmt::format("skin mask {}\n", spec.scene.skin_mask);
+  if (spec.truth.mask_truth == "all") text += "truth: what is not skin gives and receives light too\n";
   for (const PlannedMethod& m : plan.methods)
     text += fmt::format("method {}: {}{}\n", m.label, m.method->title, in_brackets(m.settings.values()));
   for (const Profile& profile : plan.profiles) {

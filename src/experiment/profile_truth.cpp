@@ -46,7 +46,7 @@ double difference_at(const ProfileModel& model, const WeightedSum& sum, std::uin
 }
 
 RadialCheck check_radially(const ProfileModel& model, const WeightedSum& sum, const ViewTruth& truth,
-                           const Surface& skin) {
+                           const Surface& surface) {
   const std::vector<std::uint32_t> points = checked_points(truth.audited());
   RadialCheck check;
   check.points = points.size();
@@ -54,9 +54,9 @@ RadialCheck check_radially(const ProfileModel& model, const WeightedSum& sum, co
       kMostShellArea * model.error_bound.maxCoeff() + sum.certificate.weight * sum.certificate.tolerance;
   const double tolerance =
       std::max(kFinestQuadrature,
-               kQuadratureShare * check.allowed / (3.0 * static_cast<double>(skin.triangles.size())));
-  const RadialExactEngine engine(skin, tolerance);
-  const double largest_irradiance = skin.largest_irradiance();
+               kQuadratureShare * check.allowed / (3.0 * static_cast<double>(surface.triangles.size())));
+  const RadialExactEngine engine(surface, tolerance);
+  const double largest_irradiance = surface.largest_irradiance();
   std::vector<double> differences(points.size());
   Progress progress(fmt::format("{} itself at {} points", model.title, points.size()), points.size());
   parallel_for(points.size(), [&](std::size_t i) {
@@ -89,7 +89,7 @@ ViewTruth::Request request_of(const ProfileModel& model) {
   return {&model.mixture, {false, false, std::nullopt}};
 }
 
-ProfileTruth profile_truth(const ProfileModel& model, const ViewTruth& truth, const Surface* skin) {
+ProfileTruth profile_truth(const ProfileModel& model, const ViewTruth& truth, const Surface* surface) {
   const WeightedSum sum = truth.weighted_sum(request_of(model));
   std::vector<Vec3d> normalised(sum.light.size(), Vec3d::Zero());
   std::vector<double> share;
@@ -99,7 +99,7 @@ ProfileTruth profile_truth(const ProfileModel& model, const ViewTruth& truth, co
     normalised[i] = model.albedo.cwiseProduct(sum.light[i]).cwiseQuotient(sum.mass[i]);
   }
   ProfileTruth result;
-  if (skin != nullptr) result.check = check_radially(model, sum, truth, *skin);
+  if (surface != nullptr) result.check = check_radially(model, sum, truth, *surface);
   result.raw = {
       truth.picture_of(sum.light), truth.picture_of(share), {}, sum.certificate, sum.seconds, sum.cached};
   result.raw.certificate.approximation = kMostShellArea * model.error_bound.maxCoeff();

@@ -34,8 +34,8 @@ struct ProfileTruth {
 // What `truth.compute` has to be asked for.
 ViewTruth::Request request_of(const ProfileModel& model);
 
-// `truth` has computed it over `skin`, which it is checked with; null: it is not, and `check` has no points.
-// Throws Error (run) if the check fails.
-ProfileTruth profile_truth(const ProfileModel& model, const ViewTruth& truth, const Surface* skin);
+// `truth` has computed it over `surface`, which it is checked with; null: it is not, and `check` has no
+// points. Throws Error (run) if the check fails.
+ProfileTruth profile_truth(const ProfileModel& model, const ViewTruth& truth, const Surface* surface);
 
 }  // namespace truescatter

@@ -1,5 +1,7 @@
 #include "experiment/result_json.h"
 
+#include <set>
+
 #include "experiment/fit_file.h"
 
 namespace truescatter {
@@ -83,14 +85,20 @@ json profile_json(const Profile& profile) {
 
 json scene_json(const ExperimentSpec& spec, const PreparedScene& scene) {
   std::size_t skin = 0;
-  for (const ShadingTriangle& triangle : scene.shading.triangles) skin += triangle.skin ? 1 : 0;
+  std::set<int> components_of_skin;
+  for (const ShadingTriangle& triangle : scene.shading.triangles) {
+    if (!triangle.skin) continue;
+    ++skin;
+    components_of_skin.insert(triangle.component);
+  }
   json object = {{"mesh", spec.scene.mesh},
                  {"characters", scene.mesh.characters},
                  {"triangles", scene.mesh.triangle_count()},
                  {"area_mm2", surface_area_mm2(scene.mesh)},
                  {"shading_triangles", scene.shading.triangles.size()},
                  {"skin_triangles", skin},
-                 {"skin_components", scene.shading.component_count},
+                 {"skin_components", components_of_skin.size()},
+                 {"mask_truth", spec.truth.mask_truth},
                  {"largest_irradiance", scene.largest_irradiance},
                  {"irradiance_residual",
                   {{"mean", scene.shading.residual.mean},

@@ -295,13 +295,15 @@ PreparedScene prepare_scene(const ExperimentSpec& spec, const std::function<void
                       "a point light lies on the mesh, where its irradiance has no bound");
   }
   scene.shading = make_shading_mesh(scene.mesh, lighting, mask, refinement_of(spec));
+  // Before all that asks for components.
+  const bool has_skin = scene.shading.component_count > 0;
+  if (spec.truth.mask_truth == "all") scatter_everywhere(scene.shading);
   mark_transmitters(scene.shading, transmitters);
   scene.shading.residual = measure_residual(scene.shading, lighting, kResidualSamples, spec.truth.seed);
   scene.lights = light_fields(scene.shading, scene.mesh, lights, normal_map, albedo);
   if (reflection) scene.reflection = reflection_of(spec, scene, lights, normal_map);
-  scene.largest_irradiance = largest_skin_irradiance(scene.shading);
-  if (scene.shading.component_count == 0)
-    throw_input_error(spec.scene.skin_mask_where, "the mask leaves no skin");
+  scene.largest_irradiance = largest_irradiance(scene.shading);
+  if (!has_skin) throw_input_error(spec.scene.skin_mask_where, "the mask leaves no skin");
   if (!(scene.largest_irradiance > 0.0)) {
     throw_input_error({spec.file.string()}, "no light reaches the skin: every irradiance is 0");
   }
@@ -342,13 +344,13 @@ Camera camera_of(const ViewSpec& view) {
   return {view.eye_mm, view.target_mm, view.up, view.fov_deg, view.width_px, view.height_px};
 }
 
-Surface skin_surface(const ShadingMesh& shading) {
+Surface scattering_surface(const ShadingMesh& shading) {
   Surface surface;
-  const auto skin = std::count_if(shading.triangles.begin(), shading.triangles.end(),
-                                  [](const ShadingTriangle& triangle) { return triangle.skin; });
-  surface.triangles.reserve(static_cast<std::size_t>(skin));
+  const auto count = std::count_if(shading.triangles.begin(), shading.triangles.end(),
+                                   [](const ShadingTriangle& triangle) { return triangle.scatters; });
+  surface.triangles.reserve(static_cast<std::size_t>(count));
   for (const ShadingTriangle& triangle : shading.triangles) {
-    if (!triangle.skin) continue;
+    if (!triangle.scatters) continue;
     surface.triangles.push_back(
         {{shading.corner(triangle, 0), shading.corner(triangle, 1), shading.corner(triangle, 2)},
          triangle.irradiance,
@@ -360,7 +362,7 @@ Surface skin_surface(const ShadingMesh& shading) {
 GeodesicSurface geodesic_surface(const PreparedScene& scene) {
   std::vector<GeodesicPiece> pieces;
   for (const ShadingTriangle& triangle : scene.shading.triangles) {
-    if (!triangle.skin) continue;
+    if (!triangle.scatters) continue;
     pieces.push_back({triangle.base, triangle.base_barycentric, triangle.irradiance, triangle.component});
   }
   return {IntrinsicMesh(scene.mesh.positions_mm, scene.mesh.triangles, scene.mesh_file), pieces};

@@ -37,7 +37,7 @@ struct PreparedScene {
   SourceLocation mesh_file;  // for messages: the file, or the built-in scene's name
   ShadingMesh shading;
   std::vector<LightField> lights;   // of `shading`
-  double largest_irradiance = 0.0;  // of the skin's corners: the unit of tolerances
+  double largest_irradiance = 0.0;  // of S at its corners: the unit of tolerances
   std::optional<UvReport> uvs;
   UvTexture albedo;                           // linear RGB; empty where there is none
   std::vector<CharacterPlace> places;         // of its characters; empty: one, where its file has it
@@ -69,8 +69,8 @@ SceneOutline check_scene(const ExperimentSpec& spec);
 
 Camera camera_of(const ViewSpec& view);
 
-// The skin of a shading mesh as the truth sees it.
-Surface skin_surface(const ShadingMesh& shading);
+// S of a shading mesh as the truth sees it.
+Surface scattering_surface(const ShadingMesh& shading);
 
 // The same as geodesics see it: distances run over the scene's mesh, every shading triangle is a piece of one
 // of its triangles. Throws Error (input), see IntrinsicMesh, where the mesh leaves geodesics without one

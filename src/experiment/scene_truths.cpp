@@ -11,8 +11,8 @@ namespace truescatter {
 SceneTruths::SceneTruths(const PreparedScene& scene, const TruthSpec& spec, bool geodesic, TruthCache* cache,
                          SourceWrapper wrap, KeptValues shared)
     : tolerance_(spec.tolerance),
-      skin_(skin_surface(scene.shading)),
-      largest_irradiance_(skin_.largest_irradiance()),
+      surface_(scattering_surface(scene.shading)),
+      largest_irradiance_(surface_.largest_irradiance()),
       cache_(cache),
       wrap_(std::move(wrap)),
       shared_(std::move(shared)) {
@@ -37,7 +37,7 @@ std::unique_ptr<LayerSource> SceneTruths::plain_source(LayerKind kind, const Vie
   };
   switch (kind) {
     case LayerKind::euclidean:
-      return over(skin_);
+      return over(surface_);
     case LayerKind::geodesic:
       assert(geodesic_);
       return geodesic_source(*geodesic_, tolerance_, points);

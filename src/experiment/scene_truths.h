@@ -6,9 +6,9 @@
 #include <string>
 
 #include "config/experiment_spec.h"
+#include "experiment/kept_values.h"
 #include "experiment/layer_source.h"
 #include "experiment/scene_setup.h"
-#include "experiment/kept_values.h"
 #include "experiment/visible_surface.h"
 #include "truth/cache.h"
 
@@ -31,7 +31,7 @@ class SceneTruths {
   std::string obstacle(const OwnTarget& target) const;
   // Null where the mesh carries no geodesics, or nobody asked for them.
   const GeodesicSurface* geodesic() const { return geodesic_ ? &*geodesic_ : nullptr; }
-  const Surface& skin() const { return skin_; }
+  const Surface& surface() const { return surface_; }
   const KeptValues& shared() const { return shared_; }
   // Points and `visible` outlive the source; the kind has no obstacle. `visible`: of the points' view, where
   // the kind asks for it.
@@ -43,8 +43,8 @@ class SceneTruths {
                                             const VisibleSurface* visible) const;
 
   double tolerance_;
-  Surface skin_;
-  double largest_irradiance_;  // of the skin
+  Surface surface_;
+  double largest_irradiance_;
   std::optional<GeodesicSurface> geodesic_;
   std::string no_geodesics_;  // why
   TruthCache* cache_;

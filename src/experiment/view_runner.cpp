@@ -339,7 +339,8 @@ class ViewRunner {
     for (const auto& [name, model] : setup_.plan.models) {
       // Who keeps the truth's piece says how it was checked.
       const bool checked = is_kept({Piece::Kind::truth, name_, name});
-      profile_truths_.emplace(name, profile_truth(model, truth_, checked ? nullptr : &setup_.truths.skin()));
+      profile_truths_.emplace(name,
+                              profile_truth(model, truth_, checked ? nullptr : &setup_.truths.surface()));
     }
   }
 

@@ -150,13 +150,13 @@ void append(Surface& to, Surface&& from) {
 }  // namespace
 
 VisibleSurface visible_surface(const PreparedScene& scene, const Camera& camera) {
-  const Surface skin = skin_surface(scene.shading);
+  const Surface whole = scattering_surface(scene.shading);
   const Eye eye(scene.mesh, camera);
-  std::vector<VisibleSurface> parts((skin.triangles.size() + kChunk - 1) / kChunk);
+  std::vector<VisibleSurface> parts((whole.triangles.size() + kChunk - 1) / kChunk);
   parallel_for(parts.size(), [&](std::size_t part) {
     Splitter splitter(eye, parts[part]);
-    const std::size_t end = std::min(skin.triangles.size(), (part + 1) * kChunk);
-    for (std::size_t t = part * kChunk; t < end; ++t) splitter.add(skin.triangles[t]);
+    const std::size_t end = std::min(whole.triangles.size(), (part + 1) * kChunk);
+    for (std::size_t t = part * kChunk; t < end; ++t) splitter.add(whole.triangles[t]);
   });
   VisibleSurface result;
   for (VisibleSurface& part : parts) {

@@ -15,6 +15,7 @@ namespace {
 void label_skin(ShadingMesh& shading, const SkinMask& mask) {
   for (ShadingTriangle& triangle : shading.triangles) {
     triangle.skin = mask.is_skin((triangle.uvs[0] + triangle.uvs[1] + triangle.uvs[2]) / 3.0);
+    triangle.scatters = triangle.skin;
   }
 }
 
@@ -35,7 +36,8 @@ void sort_by_character(ShadingMesh& shading, const Mesh& mesh) {
 void label_components(ShadingMesh& shading) {
   const std::vector<int> components = truescatter::label_components(
       shading.triangles.size(), [&](std::size_t t) { return shading.triangles[t].vertices; },
-      [&](std::size_t t) { return shading.triangles[t].skin; });
+      [&](std::size_t t) { return shading.triangles[t].scatters; });
+  shading.component_count = 0;
   for (std::size_t t = 0; t < components.size(); ++t) {
     shading.triangles[t].component = components[t];
     shading.component_count = std::max(shading.component_count, components[t] + 1);
@@ -90,10 +92,15 @@ ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const 
   return shading;
 }
 
-double largest_skin_irradiance(const ShadingMesh& shading) {
+void scatter_everywhere(ShadingMesh& shading) {
+  for (ShadingTriangle& triangle : shading.triangles) triangle.scatters = true;
+  label_components(shading);
+}
+
+double largest_irradiance(const ShadingMesh& shading) {
   double largest = 0.0;
   for (const ShadingTriangle& triangle : shading.triangles) {
-    if (!triangle.skin) continue;
+    if (!triangle.scatters) continue;
     for (const Vec3d& value : triangle.irradiance) largest = std::max(largest, value.maxCoeff());
   }
   return largest;
@@ -102,18 +109,18 @@ double largest_skin_irradiance(const ShadingMesh& shading) {
 ShadingResidual measure_residual(const ShadingMesh& shading, const Lighting& lighting, std::size_t samples,
                                  std::uint64_t seed) {
   std::vector<double> cumulative_area;
-  std::vector<std::size_t> skin;
+  std::vector<std::size_t> scattering;
   double area = 0.0;
   for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
     const ShadingTriangle& triangle = shading.triangles[t];
-    if (!triangle.skin) continue;
+    if (!triangle.scatters) continue;
     const Vec3d a = shading.corner(triangle, 0);
     area += 0.5 * (shading.corner(triangle, 1) - a).cross(shading.corner(triangle, 2) - a).norm();
     cumulative_area.push_back(area);
-    skin.push_back(t);
+    scattering.push_back(t);
   }
-  const double largest = largest_skin_irradiance(shading);
-  if (skin.empty() || samples == 0 || !(largest > 0.0)) return {};
+  const double largest = largest_irradiance(shading);
+  if (scattering.empty() || samples == 0 || !(largest > 0.0)) return {};
 
   // 53 bits of the generator, for the standard distributions differ between libraries.
   std::mt19937_64 generator(seed);
@@ -127,7 +134,7 @@ ShadingResidual measure_residual(const ShadingMesh& shading, const Lighting& lig
     const auto at = std::lower_bound(cumulative_area.begin(), cumulative_area.end(), uniform() * area);
     const double root = std::sqrt(uniform());
     const double b = uniform();
-    draws.push_back({skin[static_cast<std::size_t>(at - cumulative_area.begin())],
+    draws.push_back({scattering[static_cast<std::size_t>(at - cumulative_area.begin())],
                      Vec3d(1.0 - root, root * (1.0 - b), root * b)});
   }
   std::vector<double> errors(samples);

@@ -23,12 +23,13 @@ struct ShadingTriangle {
   std::size_t base = 0;                   // the triangle of the scene's mesh
   std::array<Vec3d, 3> base_barycentric;  // of the corners, in the base triangle
   bool skin = true;
+  bool scatters = true;   // part of S, which gives and receives light in the truth: skin, or everything
   bool transmits = true;  // methods that draw transmitters draw it; the truth does not know it
-  int component = -1;     // connected piece of skin; -1 for what is not skin
+  int component = -1;     // connected piece of S; -1 for what is not of it
 };
 
-// How well the piecewise linear irradiance resolves the real lighting, in units of the skin's largest
-// irradiance, over the skin: no part of any method's error (README, Definitions).
+// How well the piecewise linear irradiance resolves the real lighting, in units of the largest irradiance of
+// S, over S: no part of any method's error (README, Definitions).
 struct ShadingResidual {
   double mean = 0.0;  // area-weighted
   double p99 = 0.0;
@@ -72,8 +73,14 @@ struct RefinementSettings {
 // for splits is the smooth one, without them, and `visible_edge_mm` bounds the edges where they are looked
 // at. The corners' irradiance is that of the mapped normals, times the albedo; a vertex has one value for all
 // the charts that meet there.
+//
+// S is the skin, in its connected pieces.
 ShadingMesh make_shading_mesh(const Mesh& mesh, const Lighting& lighting, const SkinMask& mask,
                               const RefinementSettings& settings);
+
+// Takes all of the surface into S, in its connected pieces: what is not skin is still not measured, nor drawn
+// as skin, but gives light to it and receives it (truth.mask_truth = all).
+void scatter_everywhere(ShadingMesh& shading);
 
 // The irradiance of every triangle's corners, in the order of ShadingMesh::triangles.
 using CornerIrradiance = std::vector<std::array<Vec3d, 3>>;
@@ -82,12 +89,12 @@ using CornerIrradiance = std::vector<std::array<Vec3d, 3>>;
 // been made by it. The corners around a vertex that share an interpolated normal share the value.
 CornerIrradiance corner_irradiance(const ShadingMesh& shading, const Lighting& lighting);
 
-// The largest irradiance of any channel at any corner of the skin: the unit of every tolerance but the
-// refinement's own, for that must be known beforehand.
-double largest_skin_irradiance(const ShadingMesh& shading);
+// The largest irradiance of any channel at any corner of S: the unit of every tolerance but the refinement's
+// own, for that must be known beforehand.
+double largest_irradiance(const ShadingMesh& shading);
 
-// The residual of `shading` against the real lighting at `samples` points of the skin drawn with `seed`,
-// uniform in area. Zero for a shading mesh whose skin is dark.
+// The residual of `shading` against the real lighting at `samples` points of S drawn with `seed`,
+// uniform in area. Zero for a shading mesh whose S is dark.
 ShadingResidual measure_residual(const ShadingMesh& shading, const Lighting& lighting, std::size_t samples,
                                  std::uint64_t seed);
 

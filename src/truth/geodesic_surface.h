@@ -29,8 +29,8 @@ struct FlatPiece {
   double radius_mm() const;
 };
 
-// The surface S of README, Definitions, as geodesics see it: the pieces of skin on each face of the scene's
-// mesh. Paths run over the whole mesh; what is not skin neither gives nor receives.
+// The surface S of README, Definitions, as geodesics see it: its pieces on each face of the scene's mesh.
+// Paths run over the whole mesh, whatever of it belongs to S.
 class GeodesicSurface {
  public:
   GeodesicSurface(IntrinsicMesh mesh, std::span<const GeodesicPiece> pieces);

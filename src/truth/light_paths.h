@@ -12,7 +12,7 @@
 namespace truescatter {
 
 // How the Euclidean convolution of one Gaussian at one point differs from the geodesic one, by the ways that
-// the light takes. Each is an integral of (G(|x - x_o|) - G(d)) I dA over a part of the skin, d being the
+// the light takes. Each is an integral of (G(|x - x_o|) - G(d)) I dA over a part of S, d being the
 // geodesic distance: RGB in the first three entries, with I = 1 in the fourth. The first three sum to M_s
 // Euclidean less M_s geodesic, neither cut off, and none is negative where the light is not.
 //

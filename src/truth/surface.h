@@ -20,8 +20,8 @@ struct SurfaceTriangle {
   }
 };
 
-// The surface S of README, Definitions: the skin of the shading mesh, as a soup; all that the truth needs to
-// know.
+// The surface S of README, Definitions: the skin of the shading mesh, or all of it, as a soup; all that the
+// truth needs to know.
 struct Surface {
   std::vector<SurfaceTriangle> triangles;
 

@@ -634,6 +634,37 @@ TEST_F(CliRun, TextureSpaceIsMeasuredAgainstItsGeodesicTruth) {
   EXPECT_EQ(texture_space.at("own_target"), texture_space.at("extra_targets").at(0));
 }
 
+// A stripe of skin, 1.25 mm wide, on an evenly lit plane: alone it holds less than half of the wider
+// Gaussians' mass; with the plane around it all.
+TEST_F(CliRun, WhatIsNotSkinGivesLightWhereAskedTo) {
+  Image stripe(64, 4, 1);
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 30; x < 34; ++x) stripe.at(x, y, 0) = 1.0F;
+  }
+  write_png(folder_.path() / "stripe.png", stripe);
+  const std::string masked =
+      with(kTiny, "[scene.parameters]", "skin_mask = \"stripe.png\"\n[scene.parameters]");
+  const std::string all = with(masked, "[timing]", "[truth]\nmask_truth = \"all\"\n[timing]");
+  const std::string said = "truth: what is not skin gives and receives light too\n";
+  EXPECT_FALSE(contains(run(masked, {"--dry-run"}).out, said));
+  EXPECT_TRUE(contains(run(all, {"--dry-run"}).out, said));
+  const auto results_of = [&](const std::string& experiment) {
+    const ProgramResult result = run(experiment);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return json("out/results.json");
+  };
+  const Json alone = results_of(masked);
+  const Json together = results_of(all);
+  EXPECT_EQ(alone.at("scene").at("mask_truth"), "skin");
+  EXPECT_EQ(together.at("scene").at("mask_truth"), "all");
+  for (const char* same : {"skin_triangles", "skin_components", "shading_triangles"})
+    EXPECT_EQ(alone.at("scene").at(same), together.at("scene").at(same)) << same;
+  const Json& seen = alone.at("views").at(0).at("skin_pixels");
+  EXPECT_EQ(seen, together.at("views").at(0).at("skin_pixels"));
+  EXPECT_EQ(alone.at("truths").at(0).at("low_mass_pixels"), seen);
+  EXPECT_EQ(together.at("truths").at(0).at("low_mass_pixels"), 0);
+}
+
 // The plane goes on beyond the picture, where the visible surface ends.
 TEST_F(CliRun, MeasuresAgainstTheVisibleSurfaceWhereAskedTo) {
   const std::string experiment = with(kTiny, "[timing]", "[truth]\nvisible_only = true\n[timing]");

@@ -132,6 +132,7 @@ seed = 42
 geodesic = "extra"
 cache = false
 visible_only = true
+mask_truth = "all"
 light_paths = 2000
 
 [metrics]
@@ -259,6 +260,7 @@ TEST_F(ExperimentSpecTest, ReadsEveryField) {
   EXPECT_EQ(spec.truth.geodesic, "extra");
   EXPECT_FALSE(spec.truth.cache);
   EXPECT_TRUE(spec.truth.visible_only);
+  EXPECT_EQ(spec.truth.mask_truth, "all");
   EXPECT_EQ(spec.truth.light_paths, 2000);
   EXPECT_TRUE(spec.metrics.seam);
   EXPECT_TRUE(spec.metrics.leak);
@@ -302,6 +304,7 @@ TEST_F(ExperimentSpecTest, HasTheDocumentedDefaults) {
   EXPECT_EQ(spec.truth.geodesic, "own");
   EXPECT_TRUE(spec.truth.cache);
   EXPECT_FALSE(spec.truth.visible_only);
+  EXPECT_EQ(spec.truth.mask_truth, "skin");
   EXPECT_EQ(spec.truth.light_paths, 0);
   EXPECT_FALSE(spec.metrics.seam);
   EXPECT_FALSE(spec.metrics.leak);
@@ -406,6 +409,7 @@ void expect_same(const ExperimentSpec& a, const ExperimentSpec& b) {
   EXPECT_EQ(a.truth.geodesic, b.truth.geodesic);
   EXPECT_EQ(a.truth.cache, b.truth.cache);
   EXPECT_EQ(a.truth.visible_only, b.truth.visible_only);
+  EXPECT_EQ(a.truth.mask_truth, b.truth.mask_truth);
   EXPECT_EQ(a.truth.light_paths, b.truth.light_paths);
   EXPECT_EQ(a.metrics.seam, b.metrics.seam);
   EXPECT_EQ(a.metrics.leak, b.metrics.leak);

@@ -171,7 +171,7 @@ TEST(ContentKey, DependsOnEveryIngredient) {
       {"an irradiance",
        [](Ingredients& in) { in.scene.shading.triangles.back().irradiance[2].z() *= 1.0 + 0x1p-52; }},
       {"a component", [](Ingredients& in) { in.scene.shading.triangles.back().component = 1; }},
-      {"the mask", [](Ingredients& in) { in.scene.shading.triangles.back().skin = false; }},
+      {"the mask", [](Ingredients& in) { in.scene.shading.triangles.back().scatters = false; }},
       {"a point", [](Ingredients& in) { in.images.surface[1].barycentric = Vec3d(0.5, 0.375, 0.125); }},
       {"a point's triangle", [](Ingredients& in) { in.images.surface[1].triangle = 5; }},
       {"the number of points", [](Ingredients& in) { in.images.mask.at(2, 0, 0) = 0.0F; }},

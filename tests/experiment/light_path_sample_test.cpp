@@ -25,7 +25,7 @@ PreparedScene lit(const Mesh& mesh, const std::function<double(const Vec3d&)>& l
     for (std::size_t c = 0; c < 3; ++c) middle += scene.shading.corner(triangle, c) / 3.0;
     for (Vec3d& value : triangle.irradiance) value = Vec3d::Constant(light(middle));
   }
-  scene.largest_irradiance = largest_skin_irradiance(scene.shading);
+  scene.largest_irradiance = largest_irradiance(scene.shading);
   return scene;
 }
 

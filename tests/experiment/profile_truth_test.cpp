@@ -135,7 +135,7 @@ TEST_F(ProfileTruthTest, OnALargePlaneTheRawTruthIsTheAlbedo) {
   view.compute(
       {request_of(model)}, spec.truth,
       [&](LayerKind kind, const ViewPoints& points) { return truths.source(kind, points); }, nullptr);
-  const ProfileTruth truth = profile_truth(model, view, &truths.skin());
+  const ProfileTruth truth = profile_truth(model, view, &truths.surface());
   const double expected = dipole_albedo(0.082, 2.62, 1.5) * scene.largest_irradiance;
   const double allowed = truth.raw.certificate.uncertainty() * scene.largest_irradiance;
   EXPECT_GE(truth.raw.certificate.uncertainty(), model.error_bound.maxCoeff());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "experiment/points_fixture.h"
+#include "scene/builtin.h"
 #include "scene/mesh.h"
 
 namespace truescatter::test {
@@ -58,7 +59,7 @@ PreparedScene lit_sheet(double fold_deg) {
     for (std::size_t c = 0; c < 3; ++c)
       triangle.irradiance[c] = value(position_mm(flat, {triangle.base, triangle.base_barycentric[c]}));
   }
-  scene.largest_irradiance = largest_skin_irradiance(scene.shading);
+  scene.largest_irradiance = largest_irradiance(scene.shading);
   return scene;
 }
 
@@ -117,6 +118,68 @@ TEST(GeodesicViewTruth, IsNotBuiltUnlessAskedFor) {
   const PreparedScene scene = lit_sheet(0.0);
   EXPECT_EQ(SceneTruths(scene, TruthSpec{}, false).geodesic(), nullptr);
   EXPECT_NE(SceneTruths(scene, TruthSpec{}, true).geodesic(), nullptr);
+}
+
+// A plane whose skin begins at x = 0, with irradiance 0.25 there and 1 on what is not skin.
+PreparedScene half_skin() {
+  PreparedScene scene;
+  scene.mesh = make_builtin("plane");  // 60 mm wide
+  scene.shading = make_shading_mesh(scene.mesh, Lighting(scene.mesh, {Light{}}), SkinMask(), {0.02, 0.5});
+  for (ShadingTriangle& t : scene.shading.triangles) {
+    const ShadingMesh& in = scene.shading;
+    t.skin = in.corner(t, 0).x() + in.corner(t, 1).x() + in.corner(t, 2).x() > 0.0;
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_TRUE(t.skin ? in.corner(t, c).x() >= 0.0 : in.corner(t, c).x() <= 0.0);
+    t.scatters = t.skin;
+    t.component = t.skin ? 0 : -1;
+    t.irradiance.fill(Vec3d::Constant(t.skin ? 0.25 : 1.0));
+  }
+  scene.shading.component_count = 1;
+  scene.largest_irradiance = largest_irradiance(scene.shading);
+  return scene;
+}
+
+// Points of the skin, at least 20 mm from where the plane ends: ten standard deviations of the widest
+// Gaussian.
+std::vector<MeshPoint> places_beside_the_border(const Mesh& mesh) {
+  std::vector<MeshPoint> places;
+  for (const MeshPoint& place : random_places(mesh, 4000)) {
+    const Vec3d p = position_mm(mesh, place);
+    if (p.x() > 0.0 && p.x() < 8.0 && std::abs(p.y()) < 10.0) places.push_back(place);
+  }
+  return places;
+}
+
+// With I = i on the skin and i + d off it, a Gaussian of standard deviation s sees, at a distance x from the
+// border, the share Q = erfc(x / (s sqrt 2)) / 2 of the other half: raw i (1 - Q) and mass 1 - Q if the skin
+// alone scatters, i + d Q and mass 1 if everything does.
+TEST(MaskTruth, IsTheHalfPlanesClosedForm) {
+  PreparedScene scene = half_skin();
+  const std::vector<MeshPoint> places = places_beside_the_border(scene.mesh);
+  ASSERT_GT(places.size(), 100U);
+  const Profile profile = two_gaussians();
+  for (const bool all : {false, true}) {
+    if (all) scatter_everywhere(scene.shading);
+    scene.largest_irradiance = largest_irradiance(scene.shading);
+    EXPECT_EQ(scene.largest_irradiance, all ? 1.0 : 0.25);
+    for (const bool geodesic : {false, true}) {
+      for (const bool normalised : {false, true}) {
+        const TruthImage truth = truth_of(scene, places, {geodesic, normalised, std::nullopt});
+        const double bound = truth.certificate.uncertainty() * scene.largest_irradiance + 0x1p-23;
+        for (std::size_t i = 0; i < places.size(); ++i) {
+          const double x_mm = position_mm(scene.mesh, places[i]).x();
+          Vec3d expected = 0.25 * profile.delta_weight;
+          for (const GaussianTerm& term : profile.terms) {
+            const double other = 0.5 * std::erfc(x_mm / std::sqrt(2.0 * term.variance_mm2.x()));
+            const double raw = all ? 0.25 + 0.75 * other : 0.25 * (1.0 - other);
+            expected += term.weight * (all || !normalised ? raw : 0.25);
+          }
+          for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(truth.rgb.at(static_cast<int>(i), 0, c), expected[c], bound) << x_mm << " mm";
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ PreparedScene lit_scene(const std::string& name, BuiltinParameters parameters, c
   for (ShadingTriangle& triangle : scene.shading.triangles) {
     for (std::size_t c = 0; c < 3; ++c) triangle.irradiance[c] = value(scene.shading.corner(triangle, c));
   }
-  scene.largest_irradiance = largest_skin_irradiance(scene.shading);
+  scene.largest_irradiance = largest_irradiance(scene.shading);
   return scene;
 }
 
@@ -68,7 +68,7 @@ TEST(VisibleSurface, OfAPlaneSeenWholeIsThePlane) {
   const PreparedScene scene = lit_scene("plane", {}, slanted);
   const VisibleSurface visible = visible_surface(scene, camera_at(3.0, 20.0));
   EXPECT_TRUE(visible.unsure.triangles.empty());
-  const Surface skin = skin_surface(scene.shading);
+  const Surface skin = scattering_surface(scene.shading);
   ASSERT_EQ(visible.seen.triangles.size(), skin.triangles.size());
   for (std::size_t t = 0; t < skin.triangles.size(); ++t) {
     EXPECT_EQ(visible.seen.triangles[t].corners_mm, skin.triangles[t].corners_mm);

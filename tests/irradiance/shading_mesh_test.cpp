@@ -205,7 +205,7 @@ TEST(Refinement, ResidualIsInUnitsOfTheLargestVertexIrradiance) {
   Light light = lamp(Vec3d(std::sqrt(3.0), 0.0, 1.0));
   light.color = Vec3d(4.0, 1.0, 0.0);
   const ShadingMesh shading = make_shading_mesh(mesh, Lighting(mesh, {light}), {}, {0.02, 100.0});
-  EXPECT_NEAR(largest_skin_irradiance(shading), 2.0, 1e-12);
+  EXPECT_NEAR(largest_irradiance(shading), 2.0, 1e-12);
   light.color.x() = 6.0;
   const ShadingResidual residual = measure_residual(shading, Lighting(mesh, {light}), 100, 1);
   EXPECT_NEAR(residual.mean, 0.5, 1e-12);
@@ -233,6 +233,33 @@ TEST(Refinement, MaskIsReadAtCentroidsAndItsBorderIsRefined) {
   // wide (their longest edge may be sqrt 2 times the shortest), along 60 mm.
   EXPECT_NEAR(skin, 0.5 * 3600.0, 60.0 * 0.25 * 2.0);
   EXPECT_EQ(shading.component_count, 1);
+}
+
+// The right half of the plane is skin, and all of it scatters: one component with the light of both halves.
+TEST(ScatterEverywhere, TakesWhatIsNotSkinIntoS) {
+  const Mesh plane = make_builtin("plane");
+  ShadingMesh shading = shade(plane, shadowing(Vec3d::UnitZ()));
+  for (ShadingTriangle& t : shading.triangles) {
+    const double x = (shading.corner(t, 0) + shading.corner(t, 1) + shading.corner(t, 2)).x();
+    t.skin = t.scatters = x > 0.0;
+    t.component = t.skin ? 0 : -1;
+    if (!t.skin) t.irradiance.fill(Vec3d(7.0, 0.0, 0.0));
+  }
+  EXPECT_NEAR(largest_irradiance(shading), 1.0, 1e-12);
+  scatter_everywhere(shading);
+  EXPECT_EQ(largest_irradiance(shading), 7.0);
+  EXPECT_EQ(shading.component_count, 1);
+  for (const ShadingTriangle& t : shading.triangles) {
+    EXPECT_TRUE(t.scatters);
+    EXPECT_EQ(t.component, 0);
+    EXPECT_EQ(t.skin, t.irradiance[0].x() < 7.0);
+  }
+}
+
+TEST(ScatterEverywhere, JoinsNothingThatIsApart) {
+  ShadingMesh cards = shade(make_builtin("cards"), shadowing(Vec3d::UnitZ()));
+  scatter_everywhere(cards);
+  EXPECT_EQ(cards.component_count, 2);
 }
 
 TEST(Components, CardsAreTwo) {

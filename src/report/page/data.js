@@ -156,4 +156,6 @@ function targetName(target) {
       (target.transmittance ? ", and what comes through the body" : "");
 }
 const headlineTarget =
-    truths.length ? targetName(truths.find((t) => runs.some((r) => r.truth === t.id)) || truths[0]) : EN_DASH;
+    truths.length ? targetName(truths.find((t) => runs.some((r) => r.truth === t.id)) || truths[0]) +
+        ((results.scene || {}).mask_truth === "all" ? ", over all of the surface" : "") :
+                    EN_DASH;

@@ -33,6 +33,7 @@ function sceneCard() {
           "Shading triangles",
           `${count(scene.shading_triangles)}, of them skin ${count(scene.skin_triangles)}`
         ],
+        ["Gives light in the truth", scene.mask_truth === "all" && "all, skin or not (mask_truth)"],
         [
           "Surface",
           isNumber(scene.area_mm2) ? `${count(scene.area_mm2 / 100)} cm\u00b2 in ${
